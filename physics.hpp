@@ -20728,6 +20728,12 @@ constexpr joint_row<S, D> operator-(const joint_row<S, D>& r) {
     return result;
 }
 
+/// A point of A and one of B, in the bodies' frames.
+template <class S, int D>
+struct point_pair {
+    vec<S, D> a, b;
+};
+
 /// An angle that is counted over any number of turns: 2 pi turns + angle, |angle| <= pi.
 template <class S>
 struct counted_angle {
@@ -20738,6 +20744,12 @@ struct counted_angle {
     [[nodiscard]] constexpr counted_angle at(S next) const {
         constexpr double pi = 3.141592653589793;
         return {next, turns + (next - angle > S(pi) ? -1 : next - angle < S(-pi) ? 1 : 0)};
+    }
+    /// The same when it has turned by about so much.
+    [[nodiscard]] constexpr counted_angle after(double turned, S next) const {
+        const double passed = (detail::to_double(angle) + turned - detail::to_double(next)) / 6.283185307179586;
+        if (!(passed < 1e9) || !(passed > -1e9)) return {next, turns};
+        return {next, turns + static_cast<std::int32_t>(passed < 0 ? passed - 0.5 : passed + 0.5)};
     }
     [[nodiscard]] constexpr S total() const { return angle + S(6.283185307179586) * S(turns); }
     /// The same, for differences of what has turned far.
@@ -20874,6 +20886,8 @@ struct joint_drive {
     static constexpr int row_count = 4;
     /// Whether it matters where the coordinate is.
     [[nodiscard]] constexpr bool uses_value() const { return spring.is_on() || is_limit(min) || is_limit(max); }
+    /// Whether any row is on.
+    [[nodiscard]] constexpr bool is_on() const { return uses_value() || max_motor > S(0); }
     static constexpr bool is_limit(S x) { return x < scalar_traits<S>::max() && -x < scalar_traits<S>::max(); }
 
     /// `along` has the Jacobian of the coordinate, which is at `value`.
@@ -20993,7 +21007,9 @@ concept writes_rows = requires(const Joint& joint, const frames_for<Joint, S, D>
 /// is called as a joint is made or set, for what it leaves open till then; check_at(frames, function) before that, for
 /// what depends on where bodies are. Of a kind with a `static constexpr bool two_directions = true` a row pulls A
 /// otherwise than B, and the world bears the difference: rows(grounded_frames, row, direction_a) writes the negative of
-/// the Jacobian of A's centre of mass too.
+/// the Jacobian of A's centre of mass too. A kind that holds a point of B to one of A by joint_frames::hold may say so
+/// by the bits of `static constexpr std::uint32_t point_rows`, with points(), and holds_points_only(), whether no other
+/// row is on: such joints are written in lanes.
 template <class Joint, class S, int D>
 concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
     requires(const Joint& joint) {
@@ -21081,6 +21097,9 @@ struct ball_joint {
     static constexpr int row_count = D;
     PHYSICS_HPP_MEMBERS(anchor_a, anchor_b)
 
+    static constexpr std::uint32_t point_rows = (1u << D) - 1;
+    [[nodiscard]] bool holds_points_only() const { return true; }
+    [[nodiscard]] point_pair<S, D> points() const { return {anchor_a, anchor_b}; }
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const { at.hold(anchor_a, anchor_b, row); }
 };
 
@@ -21663,6 +21682,9 @@ struct revolute_joint {
 
     [[nodiscard]] joint_spring<S> spring() const { return {frequency, damping_ratio, stiffness, damping}; }
 
+    static constexpr std::uint32_t point_rows = D == 2 ? 3u << joint_drive<S>::row_count : 0;
+    [[nodiscard]] bool holds_points_only() const { return !drive_of().is_on(); }
+    [[nodiscard]] point_pair<S, D> points() const { return {frame_a.position, frame_b.position}; }
     static constexpr int angle_count = 1;
     [[nodiscard]] S angle(const joint_frames<S, D>& at, int) const {
         return at.angle_about_z(at.relative(frame_a.rotation, frame_b.rotation));
@@ -24883,23 +24905,13 @@ struct pushed_lanes {
             for (int lane = 0; lane < W; ++lane)
                 if (share[lane] < S(1)) entry[lane] = mul<I>(entry[lane], share[lane]);
     }
-    /// The change of angular velocity by an angular impulse of 1 about an axis, about the same axis.
-    Q answer(const S (&axis)[array][W]) const {
-        P x[array];
-        for (int i = 0; i < array; ++i) x[i] = P::load(axis[i]);
-        if constexpr (A == 1) {
-            return mul<I>(mul<I>(Q::load(inertia[0]), x[0]), x[0]);
-        } else {
-            Q y[3];
-            for (int i = 0; i < 3; ++i) y[i] = narrow<I>(inertia_row(i, x));
-            return narrow<I>(product(y[0], x[0]) + product(y[1], x[1]) + product(y[2], x[2]));
+    /// By which angular velocities change for an angular impulse of 1 about an axis.
+    void find_response(const S (&axis)[array][W], I (&response)[array][W]) const {
+        if constexpr (A == 1) mul<I>(Q::load(inertia[0]), P::load(axis[0])).store(response[0]);
+        if constexpr (A == 3) {
+            const P x[] = {P::load(axis[0]), P::load(axis[1]), P::load(axis[2])};
+            for (int i = 0; i < 3; ++i) narrow<I>(inertia_row(i, x)).store(response[i]);
         }
-    }
-    /// The change of angular velocity by an angular impulse.
-    void turn(const P (&impulse)[array], P (&change)[array]) const {
-        if constexpr (A == 1) change[0] = mul<S>(Q::load(inertia[0]), impulse[0]);
-        if constexpr (A == 3)
-            for (int i = 0; i < 3; ++i) change[i] = narrow<S>(inertia_row(i, impulse));
     }
 
 private:
@@ -24935,6 +24947,8 @@ struct row_lanes : own_directions<S, D, W, Two> {
     /// In passes with bias, see spring_step; and which part of an impulse goes.
     S push[W], share[W], loss[W];
     S mass[W], impulse[W];
+    /// By which angular velocities change for an impulse of 1.
+    I response_a[array][W], response_b[array][W];
     /// What of the impulse took the error back, where that is to be taken back itself.
     S correction[W];
     /// Of all substeps together.
@@ -24987,10 +25001,21 @@ struct row_lanes : own_directions<S, D, W, Two> {
             loss[lane] = with.rigid.impulse_scale;
         }
     }
+    /// A row along an axis of the world that is as stiff as can be, in lanes where it is (1, else 0): all but its
+    /// levers, error and bounds.
+    void begin_rigid(int axis, const P& is, const joint_pass<S>& with) {
+        clear();
+        is_on = true;
+        is.store(direction[axis]);
+        P::broadcast(with.rigid.mass_scale).store(share);
+        P::broadcast(with.rigid.mass_scale * with.rigid.rate).store(push);
+        P::broadcast(with.rigid.impulse_scale).store(loss);
+    }
     /// Turns forces into impulses, and cuts off what no number could hold.
     void finish(const side& a, const side& b, const joint_pass<S>& with) {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), h = P::broadcast(with.h);
         const S unlimited = joint_row<S, D>::unlimited(), max_force = unlimited / max(with.h, S(1));
+        find_response(a, b);
         const P own = select_greater(P::load(high), P::load(low), inverse(k_of(a, b)), zero),
                 limit = P::broadcast(unlimited) / max(own, one), max_error = limit * min(h, one);
         own.store(mass);
@@ -25011,6 +25036,11 @@ struct row_lanes : own_directions<S, D, W, Two> {
         }
     }
 
+    /// Has to follow where inertias have changed.
+    void find_response(const side& a, const side& b) {
+        a.find_response(angular_a, response_a);
+        b.find_response(angular_b, response_b);
+    }
     /// Adds what it gave in a substep.
     void add_up() { (P::load(total) + P::load(impulse)).store(total); }
     [[nodiscard]] const auto& direction_of([[maybe_unused]] bool is_b) const {
@@ -25037,8 +25067,10 @@ struct row_lanes : own_directions<S, D, W, Two> {
             if constexpr (Two) of_a.at[i] = of_a.at[i] - mul<S>(mass_a, P::load(this->direction_a[i]) * by);
             else of_a.at[i] = of_a.at[i] - mul<S>(mass_a, p);
         }
-        turn(a, angular_a, by, of_a);
-        turn(b, angular_b, by, of_b);
+        for (int i = 0; i < A; ++i) {
+            of_a.at[D + i] = of_a.at[D + i] + mul<S>(Q::load(response_a[i]), by);
+            of_b.at[D + i] = of_b.at[D + i] + mul<S>(Q::load(response_b[i]), by);
+        }
     }
     /// What has room may come so near within the substep: that speed, else 0.
     P room() const {
@@ -25107,7 +25139,7 @@ private:
         const P along = square_of(direction);
         Q k = mul<I>(Q::load(a.mass) + Q::load(b.mass), along);
         if constexpr (Two) k = mul<I>(Q::load(a.mass), square_of(this->direction_a)) + mul<I>(Q::load(b.mass), along);
-        if constexpr (Rotates) k = k + a.answer(angular_a) + b.answer(angular_b);
+        if constexpr (Rotates) k = k + answer(angular_a, response_a) + answer(angular_b, response_b);
         return k;
     }
     static P square_of(const array_of_lanes* v) {
@@ -25119,14 +25151,12 @@ private:
         if constexpr (std::is_same_v<P, Q>) return lane_reciprocal(k);
         else return P::broadcast(k.lane(0) > I(0) ? reciprocal<S>(k.lane(0)) : S(0));
     }
-    static void turn([[maybe_unused]] const side& of, [[maybe_unused]] const S (&axis)[array][W],
-                     [[maybe_unused]] const P& by, [[maybe_unused]] lanes& to) {
-        if constexpr (A > 0) {
-            P moment[array], change[array];
-            for (int i = 0; i < A; ++i) moment[i] = P::load(axis[i]) * by;
-            of.turn(moment, change);
-            for (int i = 0; i < A; ++i) to.at[D + i] = to.at[D + i] + change[i];
-        }
+    static Q answer(const S (&axis)[array][W], const I (&response)[array][W]) {
+        if constexpr (A == 1) return mul<I>(Q::load(response[0]), P::load(axis[0]));
+        else
+            return narrow<I>(product(Q::load(response[0]), P::load(axis[0])) +
+                             product(Q::load(response[1]), P::load(axis[1])) +
+                             product(Q::load(response[2]), P::load(axis[2])));
     }
 };
 
@@ -25221,6 +25251,18 @@ vec<S, D> write_rows(step_joint<Joint, S, D>& joint, [[maybe_unused]] bool is_ah
             to.row[k].angular_b = b.drawn(to.row[k].angular_b);
         }
     return at.between;
+}
+/// Counts turns since the step began, with rows of a joint that were written then only. For angles that nothing uses.
+template <class Joint, class S, int D, bool Rotates>
+void count_turns_since(step_joint<Joint, S, D>& joint, const joint_pose<S, D, Rotates>& a,
+                       const joint_pose<S, D, Rotates>& b) {
+    static_assert(D == 2 && Rotates);
+    auto at = joint.start;
+    at.rotation_a = a.rotation_from(at.rotation_a);
+    at.rotation_b = b.rotation_from(at.rotation_b);
+    at.is_rough = true;
+    const double by = to_double(b.displacement.angular) - to_double(a.displacement.angular);
+    for (int i = 0; i < angles_of<Joint>(); ++i) joint.turned[i] = joint.turned[i].after(by, joint.joint->angle(at, i));
 }
 /// What a row gave in the last step, for substeps of h.
 template <class Joint, class S, int D>
@@ -25774,6 +25816,8 @@ protected:
         each_row(
             [&](std::uint32_t r, const joint_pattern::joint& j) { rows_[r].finish(sides_[j.a], sides_[j.b], with); });
         for (std::uint32_t k = 0; k < of_.body_count; ++k) sides_[k].scale_inertia(inertia_share_ + k * W);
+        each_row(
+            [&](std::uint32_t r, const joint_pattern::joint& j) { rows_[r].find_response(sides_[j.a], sides_[j.b]); });
         assemble<S, D, Rotates, Two>(of_, rows_, sides_, matrix_.matrix);
         is_factorised_ = false;
     }
@@ -26528,7 +26572,7 @@ public:
             for (std::uint32_t r = 0; r < of_.row_count; ++r) rows_[r].add_up();
         store(bodies);
     }
-    void store_impulses(S h) const {
+    void store_impulses(const pose*, S h) const {
         for (std::uint32_t i = 0; i < of_.joint_count; ++i)
             for (int lane = 0; lane < W; ++lane) {
                 if (joint_at(i, lane) == nullptr) continue;
@@ -27117,6 +27161,139 @@ struct semi_implicit_euler {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/point_lanes.hpp
+// =================================================================================================
+// Rows of joints that hold points to each other, written in lanes.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Rotations in lanes: cosine and sine, or x, y, z, w.
+template <class P, int D>
+struct turned_lanes {
+    P at[D == 2 ? 2 : 4];
+
+    /// As rotation * vec.
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec<P, D> operator*(const lane_vec<P, D>& v) const {
+        if constexpr (D == 2) {
+            return {lane_difference(at[0], v.x, at[1], v.y), lane_sum(at[1], v.x, at[0], v.y)};
+        } else {
+            const lane_vec3<P> q{at[0], at[1], at[2]}, half = cross(q, v), t = half + half;
+            return v + t * at[3] + cross(q, t);
+        }
+    }
+};
+
+/// W joints of which only the rows are on that hold a point of B to one of A: what joint_frames::hold says of them, in
+/// lanes. Those rows have the same directions, bounds and stiffness wherever bodies are: once written in a step, only
+/// their levers and errors change.
+template <class S, int D, bool Rotates, int W>
+class point_lanes {
+    using P = kernel_pack<S, W>;
+    using V = lane_vec<P, D>;
+    using side = pushed_lanes<S, D, Rotates, W>;
+    using pose = joint_pose<S, D, Rotates>;
+    static constexpr int R = D == 2 ? 2 : 4;
+
+public:
+    void put(int lane, const joint_frames<S, D>& start, const point_pair<S, D>& points) {
+        const vec<S, D> from_a = points.a - start.center_a, from_b = points.b - start.center_b;
+        start_a_[lane] = start.rotation_a;
+        start_b_[lane] = start.rotation_b;
+        for (int i = 0; i < D; ++i) {
+            a_[i][lane] = from_a[i];
+            b_[i][lane] = from_b[i];
+            between_[i][lane] = start.between[i];
+        }
+        force_[lane] = joint_row<S, D>::unlimited();
+    }
+    /// What of D rows is the same wherever bodies are.
+    void begin(row_lanes<S, D, Rotates, W, false>* rows, const joint_pass<S>& with) const {
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)),
+                is_one = select_greater(P::load(force_), zero, one, zero);
+        for (int i = 0; i < D; ++i) rows[i].begin_rigid(i, is_one, with);
+    }
+    /// Writes D rows where bodies are now, which still need to be finished. False, and nothing is written, if the
+    /// velocities of a body are drawn otherwise.
+    bool write(row_lanes<S, D, Rotates, W, false>* rows, const side& a, const side& b, const pose* poses) const {
+        S of_a[R][W], of_b[R][W], move[D][W];
+        for (int lane = 0; lane < W; ++lane) {
+            const pose &at_a = poses[a.index[lane]], &at_b = poses[b.index[lane]];
+            if (at_a.is_drawn || at_b.is_drawn) return false;
+            put_rotation(at_a.rotation_from(start_a_[lane]), lane, of_a);
+            put_rotation(at_b.rotation_from(start_b_[lane]), lane, of_b);
+            const vec<S, D> by = at_b.displacement.linear - at_a.displacement.linear;
+            for (int i = 0; i < D; ++i) move[i][lane] = by[i];
+        }
+        const V to_a = turned(of_a) * V::load(a_), to_b = turned(of_b) * V::load(b_),
+                apart = (V::load(between_) + V::load(move)) + (to_b - to_a);
+        const P force = P::load(force_);
+        put_row<0>(rows[0], to_a, to_b, apart.x, force);
+        put_row<1>(rows[1], to_a, to_b, apart.y, force);
+        if constexpr (D == 3) put_row<2>(rows[2], to_a, to_b, apart.z, force);
+        return true;
+    }
+
+private:
+    static void put_rotation(const physics::rotation<S, D>& r, int lane, S (&to)[R][W]) {
+        if constexpr (D == 2) {
+            to[0][lane] = r.cosine, to[1][lane] = r.sine;
+        } else {
+            to[0][lane] = r.x, to[1][lane] = r.y, to[2][lane] = r.z, to[3][lane] = r.w;
+        }
+    }
+    PHYSICS_HPP_ALWAYS_INLINE static turned_lanes<P, D> turned(const S (&from)[R][W]) {
+        turned_lanes<P, D> q;
+        for (int i = 0; i < R; ++i) q.at[i] = P::load(from[i]);
+        return q;
+    }
+    template <int I>
+    static void put_row(row_lanes<S, D, Rotates, W, false>& r, [[maybe_unused]] const V& to_a,
+                        [[maybe_unused]] const V& to_b, const P& error, const P& force) {
+        error.store(r.error);
+        force.store(r.high);
+        (-force).store(r.low);
+        if constexpr (Rotates && D == 2) {
+            (I == 0 ? to_a.y : -to_a.x).store(r.angular_a[0]);
+            (I == 0 ? -to_b.y : to_b.x).store(r.angular_b[0]);
+        } else if constexpr (Rotates) {
+            // The cross product with an axis; what is 0 there stays so.
+            constexpr int next = (I + 1) % 3, last = (I + 2) % 3;
+            const P along_a[] = {to_a.x, to_a.y, to_a.z}, along_b[] = {to_b.x, to_b.y, to_b.z};
+            (-along_a[last]).store(r.angular_a[next]);
+            along_a[next].store(r.angular_a[last]);
+            along_b[last].store(r.angular_b[next]);
+            (-along_b[next]).store(r.angular_b[last]);
+        }
+    }
+
+    /// From the bodies' centres to the points in their frames, from A's centre to B's as the step began, and what rows
+    /// may give; 0 in lanes without a joint.
+    S a_[D][W] = {}, b_[D][W] = {}, between_[D][W] = {}, force_[W] = {};
+    physics::rotation<S, D> start_a_[W] = {}, start_b_[W] = {};
+};
+
+struct no_points {};
+
+/// Which rows hold a point of B to one of A, of kinds that say so; 0: none.
+template <class Joint>
+constexpr std::uint32_t point_rows_of() {
+    if constexpr (requires { Joint::point_rows; }) return Joint::point_rows;
+    else return 0;
+}
+/// Whether these are all of a joint's rows that are on.
+template <class Joint>
+bool holds_points_only([[maybe_unused]] const Joint& joint) {
+    if constexpr (point_rows_of<Joint>() != 0) return joint.holds_points_only();
+    else return false;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/joint_block.hpp
 // =================================================================================================
 // Joints of a kind in lanes, solved one row after the other.
@@ -27145,6 +27322,7 @@ public:
             new (rows + count_) row();
             kind_row_[count_++] = static_cast<std::uint8_t>(k);
         }
+        if constexpr (can_hold_points) holds_points_ = on == point_rows_of<Joint>();
     }
     /// Writes a joint into a lane, and what it gives in the first substep.
     void put(int lane, step_joint<Joint, S, D>& joint, const body_pair& ends, const body* bodies, S h) {
@@ -27153,6 +27331,7 @@ public:
         b_.put(lane, ends.b, bodies);
         far_error_[lane] =
             S(0.01 * sqrt(own_lever_of(bodies[ends.a], bodies[ends.b]) + length_squared_of(joint.start.between)));
+        if constexpr (can_hold_points) points_.put(lane, joint.start, joint.joint->points());
         each_row([&](row& r, int k) { r.impulse[lane] = first_impulse(joint, k, h); });
     }
     void put_nothing(int lane, std::uint32_t dummy_body) { a_.index[lane] = b_.index[lane] = dummy_body; }
@@ -27164,6 +27343,8 @@ public:
 
     /// Writes the rows where bodies are now, and gives these what the last substep gave.
     void warm_start(body* bodies, const pose* poses, const joint_pass<S>& with) {
+        if constexpr (can_hold_points)
+            if (holds_points_) points_.begin(rows_, with);
         write_rows(poses, with);
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
@@ -27206,9 +27387,11 @@ public:
         if (round == joint_round::relaxing) each_row([](row& r, int) { r.add_up(); });
         store(bodies, of_a, of_b);
     }
-    void store_impulses(S h) const {
+    void store_impulses(const pose* poses, S h) const {
         for (int lane = 0; lane < W; ++lane) {
             if (joints_[lane] == nullptr) continue;
+            if constexpr (can_hold_points && angles_of<Joint>() > 0)
+                if (holds_points_) count_turns_since(*joints_[lane], poses[a_.index[lane]], poses[b_.index[lane]]);
             fixed_list<S, Joint::row_count> given, sum;
             each_row([&](const row& r, int k) {
                 given[k] = r.impulse[lane];
@@ -27221,6 +27404,7 @@ public:
 
 private:
     static constexpr std::uint32_t shared = shared_bounds_of<Joint>();
+    static constexpr bool can_hold_points = point_rows_of<Joint>() != 0;
 
     /// f(row, its number among those of the kind).
     template <class F>
@@ -27249,11 +27433,17 @@ private:
         if (b_.is_pushed) of_b.store(bodies, b_.index);
     }
     void write_rows(const pose* poses, const joint_pass<S>& with) {
-        each_row([](row& r, int) { r.clear(); });
-        for (int lane = 0; lane < W; ++lane)
-            if (joints_[lane] != nullptr) write_lane(lane, poses, with);
+        if (!write_points(poses)) {
+            each_row([](row& r, int) { r.clear(); });
+            for (int lane = 0; lane < W; ++lane)
+                if (joints_[lane] != nullptr) write_lane(lane, poses, with);
+        }
         each_row([&](row& r, int) { r.finish(a_, b_, with); });
         find_far();
+    }
+    bool write_points([[maybe_unused]] const pose* poses) {
+        if constexpr (can_hold_points) return holds_points_ && points_.write(rows_, a_, b_, poses);
+        else return false;
     }
     /// Where errors are larger than a hundredth of what joints measure.
     void find_far() {
@@ -27285,6 +27475,8 @@ private:
     S far_error_[W] = {}, is_far_[W] = {};
     bool is_any_far_ = false, is_corrected_ = false;
     pushed_lanes<S, D, Rotates, W> a_, b_;
+    [[no_unique_address]] std::conditional_t<can_hold_points, point_lanes<S, D, Rotates, W>, no_points> points_;
+    bool holds_points_ = false;
     row* rows_;
     int count_ = 0;
     fixed_list<std::uint8_t, Joint::row_count> kind_row_{};
@@ -27392,11 +27584,15 @@ public:
                 const body_pair& ends = joints.bodies(i);
                 const auto &a = bodies[ends.a], &b = bodies[ends.b];
                 steps[at] = &joints[i];
+                new (all + at) graph_joint{
+                    ends, a.inverse_mass > inverse_of<S>(0), b.inverse_mass > inverse_of<S>(0), kind, i, 0, 0, 0};
+                if (holds_points_only(*joints[i].joint)) {
+                    all[at].rows = point_rows_of<Joint>();
+                    continue;
+                }
                 row_list<S, D, Joint::row_count, has_two_directions<Joint>()> list_of_rows;
                 const auto rows = list_of_rows.target().row;
                 write_rows(joints[i], true, poses[ends.a], poses[ends.b], list_of_rows.target());
-                new (all + at) graph_joint{
-                    ends, a.inverse_mass > inverse_of<S>(0), b.inverse_mass > inverse_of<S>(0), kind, i, 0, 0, 0};
                 for (int k = 0; k < Joint::row_count; ++k) {
                     if (!rows[k].is_on()) continue;
                     all[at].rows |= 1u << k;
@@ -27546,7 +27742,7 @@ public:
     /// passes only.
     bool correct(detail::task_runner& tasks) { return solve(tasks, detail::joint_round::corrections); }
     void store_impulses(detail::task_runner& tasks) {
-        each(tasks, [this](auto& b) { b.store_impulses(pass_.h); });
+        each(tasks, [this](auto& b) { b.store_impulses(poses_, pass_.h); });
     }
 
 private:

@@ -3,6 +3,27 @@
 
 #include "joint_cell.hpp"
 
+/// Of a user's, in a namespace that is the same in all units.
+namespace own_joints {
+
+/// A point to a point, told by its rows alone.
+template <class T, int N>
+struct row_by_row {
+    physics::vec<T, N> anchor_a{}, anchor_b{};
+    static constexpr int row_count = N;
+    PHYSICS_HPP_MEMBERS(anchor_a, anchor_b)
+
+    void rows(const physics::joint_frames<T, N>& at, physics::joint_row<T, N>* row) const {
+        at.hold(anchor_a, anchor_b, row);
+    }
+};
+template <class T, int N>
+bool check(const row_by_row<T, N>&, const char*) {
+    return true;
+}
+
+}  // namespace own_joints
+
 namespace {
 namespace net_laws {
 
@@ -135,6 +156,81 @@ CELL_CASE("joint nets: motors go no faster than they drive the levers") {
     SUBCASE("trees") { nets_stay_bounded<plain>({.is_tree = true, .has_motors = true}, 1000, 1000); }
     SUBCASE("nets") { nets_stay_bounded<plain>({.has_motors = true}, 1000, 1000); }
     SUBCASE("nets with limits") { nets_stay_bounded<plain>({.has_limits = true, .has_motors = true}, 1000, 1000); }
+}
+
+template <class... Policies>
+struct three_kinds
+    : physics::recipe<S, D, few, physics::joints<physics::ball_joint, physics::revolute_joint, own_joints::row_by_row>,
+                      Policies...> {};
+/// Balls and boxes that are joined to neighbours on a grid, two of them driven and fixed, over the ground.
+template <class Joint, class World>
+std::vector<body_id> add_grid(World& w) {
+    cell::dice dice(3);
+    vec up;
+    up[1] = S(1);
+    w.create_shape(add_anchor(w, at(0, 0)), typename World::halfspace{up});
+    std::vector<body_id> all;
+    constexpr int side = 7;
+    for (int i = 0; i < side * side; ++i) {
+        const vec place = at(0.5 * (i % side), 1 + 0.5 * (i / side));
+        const bool is_end = i == side * side - 1 || i == side * (side - 1);
+        all.push_back(w.create_body({.type = !is_end         ? body_type::dynamic_body
+                                             : i % side == 0 ? body_type::static_body
+                                                             : body_type::kinematic_body,
+                                     .position = place,
+                                     .rotation = any_turn(dice),
+                                     .linear_velocity = is_end && i % side != 0 ? at(-0.1) : at(0)}));
+        vec half = vec::filled(S(0.1));
+        half[0] = S(dice.number(0.1, 0.2));
+        if (i % 3 == 0) w.create_shape(all.back(), typename World::ball{S(0.1)});
+        else w.create_shape(all.back(), typename World::box{half});
+        const auto join = [&](int to) {
+            const body_id a = all[static_cast<std::size_t>(to)], b = all.back();
+            const vec middle = (w.position(a) + w.position(b)) * S(0.5);
+            Joint joint;
+            const vec in_a = inverse_transform(w.pose(a), middle), in_b = inverse_transform(w.pose(b), middle);
+            if constexpr (requires { joint.anchor_a; }) joint.anchor_a = in_a, joint.anchor_b = in_b;
+            else joint.frame_a.position = in_a, joint.frame_b.position = in_b;
+            w.create_joint(a, b, joint);
+        };
+        if (i % side > 0) join(i - 1);
+        if (i >= side && i != side * (side - 1)) join(i - side);
+    }
+    return all;
+}
+template <class Recipe>
+void points_move_as_their_rows_say(bool direct) {
+    using World = physics::world<Recipe>;
+    World points = falling_by<World>(3, direct), rows = points, hinges = points;
+    const auto all = add_grid<physics::ball_joint<S, D>>(points);
+    add_grid<own_joints::row_by_row<S, D>>(rows);
+    if constexpr (D == 2) add_grid<physics::revolute_joint<S, D>>(hinges);
+    else add_grid<physics::ball_joint<S, D>>(hinges);
+    for (int i = 0; i < 150; ++i) {
+        for (World* w : {&points, &rows, &hinges}) w->step(S(i % 4 == 0 ? 1.0 / 30 : 1.0 / 64));
+        for (const body_id b : all) {
+            REQUIRE(points.pose(b) == rows.pose(b));
+            REQUIRE(points.pose(b) == hinges.pose(b));
+        }
+    }
+    CHECK(points.position(all[0]) != at(0, 1));
+}
+CELL_CASE("joint nets: points are held in lanes to the bits that their rows say") {
+    SUBCASE("soft_step") { points_move_as_their_rows_say<three_kinds<>>(false); }
+    SUBCASE("soft_step, directly") { points_move_as_their_rows_say<three_kinds<>>(true); }
+    SUBCASE("sequential_impulse") { points_move_as_their_rows_say<three_kinds<physics::sequential_impulse>>(false); }
+}
+CELL_CASE("joint nets: turns of what spins fast are counted, whoever solves it") {
+    for (const bool direct : {false, true}) {
+        CAPTURE(direct);
+        auto w = falling_by<plain>(4, direct);
+        const body_id rod = w.create_body({.position = at(0, 1), .can_sleep = false});
+        w.create_shape(rod, plain::ball{S(0.5)});
+        set_spin(w, rod, 400);
+        const joint_id hinge = w.create_joint(add_anchor(w, at(0, 1)), rod, physics::revolute_joint<S, D>{});
+        run(w, 64, 1.0 / 64);
+        CHECK(std::abs(number(w.joint_angle(hinge)) - 400) < 0.1);
+    }
 }
 
 }  // namespace net_laws

@@ -69,7 +69,7 @@ public:
             for (std::uint32_t r = 0; r < of_.row_count; ++r) rows_[r].add_up();
         store(bodies);
     }
-    void store_impulses(S h) const {
+    void store_impulses(const pose*, S h) const {
         for (std::uint32_t i = 0; i < of_.joint_count; ++i)
             for (int lane = 0; lane < W; ++lane) {
                 if (joint_at(i, lane) == nullptr) continue;

@@ -1,6 +1,7 @@
 // Joints of a kind in lanes, solved one row after the other.
 #pragma once
 
+#include "physics/dynamics/point_lanes.hpp"
 #include "physics/dynamics/shared_bounds.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -27,6 +28,7 @@ public:
             new (rows + count_) row();
             kind_row_[count_++] = static_cast<std::uint8_t>(k);
         }
+        if constexpr (can_hold_points) holds_points_ = on == point_rows_of<Joint>();
     }
     /// Writes a joint into a lane, and what it gives in the first substep.
     void put(int lane, step_joint<Joint, S, D>& joint, const body_pair& ends, const body* bodies, S h) {
@@ -35,6 +37,7 @@ public:
         b_.put(lane, ends.b, bodies);
         far_error_[lane] =
             S(0.01 * sqrt(own_lever_of(bodies[ends.a], bodies[ends.b]) + length_squared_of(joint.start.between)));
+        if constexpr (can_hold_points) points_.put(lane, joint.start, joint.joint->points());
         each_row([&](row& r, int k) { r.impulse[lane] = first_impulse(joint, k, h); });
     }
     void put_nothing(int lane, std::uint32_t dummy_body) { a_.index[lane] = b_.index[lane] = dummy_body; }
@@ -46,6 +49,8 @@ public:
 
     /// Writes the rows where bodies are now, and gives these what the last substep gave.
     void warm_start(body* bodies, const pose* poses, const joint_pass<S>& with) {
+        if constexpr (can_hold_points)
+            if (holds_points_) points_.begin(rows_, with);
         write_rows(poses, with);
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
@@ -88,9 +93,11 @@ public:
         if (round == joint_round::relaxing) each_row([](row& r, int) { r.add_up(); });
         store(bodies, of_a, of_b);
     }
-    void store_impulses(S h) const {
+    void store_impulses(const pose* poses, S h) const {
         for (int lane = 0; lane < W; ++lane) {
             if (joints_[lane] == nullptr) continue;
+            if constexpr (can_hold_points && angles_of<Joint>() > 0)
+                if (holds_points_) count_turns_since(*joints_[lane], poses[a_.index[lane]], poses[b_.index[lane]]);
             fixed_list<S, Joint::row_count> given, sum;
             each_row([&](const row& r, int k) {
                 given[k] = r.impulse[lane];
@@ -103,6 +110,7 @@ public:
 
 private:
     static constexpr std::uint32_t shared = shared_bounds_of<Joint>();
+    static constexpr bool can_hold_points = point_rows_of<Joint>() != 0;
 
     /// f(row, its number among those of the kind).
     template <class F>
@@ -131,11 +139,17 @@ private:
         if (b_.is_pushed) of_b.store(bodies, b_.index);
     }
     void write_rows(const pose* poses, const joint_pass<S>& with) {
-        each_row([](row& r, int) { r.clear(); });
-        for (int lane = 0; lane < W; ++lane)
-            if (joints_[lane] != nullptr) write_lane(lane, poses, with);
+        if (!write_points(poses)) {
+            each_row([](row& r, int) { r.clear(); });
+            for (int lane = 0; lane < W; ++lane)
+                if (joints_[lane] != nullptr) write_lane(lane, poses, with);
+        }
         each_row([&](row& r, int) { r.finish(a_, b_, with); });
         find_far();
+    }
+    bool write_points([[maybe_unused]] const pose* poses) {
+        if constexpr (can_hold_points) return holds_points_ && points_.write(rows_, a_, b_, poses);
+        else return false;
     }
     /// Where errors are larger than a hundredth of what joints measure.
     void find_far() {
@@ -167,6 +181,8 @@ private:
     S far_error_[W] = {}, is_far_[W] = {};
     bool is_any_far_ = false, is_corrected_ = false;
     pushed_lanes<S, D, Rotates, W> a_, b_;
+    [[no_unique_address]] std::conditional_t<can_hold_points, point_lanes<S, D, Rotates, W>, no_points> points_;
+    bool holds_points_ = false;
     row* rows_;
     int count_ = 0;
     fixed_list<std::uint8_t, Joint::row_count> kind_row_{};

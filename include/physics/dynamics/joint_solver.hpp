@@ -98,11 +98,15 @@ public:
                 const body_pair& ends = joints.bodies(i);
                 const auto &a = bodies[ends.a], &b = bodies[ends.b];
                 steps[at] = &joints[i];
+                new (all + at) graph_joint{
+                    ends, a.inverse_mass > inverse_of<S>(0), b.inverse_mass > inverse_of<S>(0), kind, i, 0, 0, 0};
+                if (holds_points_only(*joints[i].joint)) {
+                    all[at].rows = point_rows_of<Joint>();
+                    continue;
+                }
                 row_list<S, D, Joint::row_count, has_two_directions<Joint>()> list_of_rows;
                 const auto rows = list_of_rows.target().row;
                 write_rows(joints[i], true, poses[ends.a], poses[ends.b], list_of_rows.target());
-                new (all + at) graph_joint{
-                    ends, a.inverse_mass > inverse_of<S>(0), b.inverse_mass > inverse_of<S>(0), kind, i, 0, 0, 0};
                 for (int k = 0; k < Joint::row_count; ++k) {
                     if (!rows[k].is_on()) continue;
                     all[at].rows |= 1u << k;
@@ -252,7 +256,7 @@ public:
     /// passes only.
     bool correct(detail::task_runner& tasks) { return solve(tasks, detail::joint_round::corrections); }
     void store_impulses(detail::task_runner& tasks) {
-        each(tasks, [this](auto& b) { b.store_impulses(pass_.h); });
+        each(tasks, [this](auto& b) { b.store_impulses(poses_, pass_.h); });
     }
 
 private:

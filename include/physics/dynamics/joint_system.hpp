@@ -122,6 +122,8 @@ protected:
         each_row(
             [&](std::uint32_t r, const joint_pattern::joint& j) { rows_[r].finish(sides_[j.a], sides_[j.b], with); });
         for (std::uint32_t k = 0; k < of_.body_count; ++k) sides_[k].scale_inertia(inertia_share_ + k * W);
+        each_row(
+            [&](std::uint32_t r, const joint_pattern::joint& j) { rows_[r].find_response(sides_[j.a], sides_[j.b]); });
         assemble<S, D, Rotates, Two>(of_, rows_, sides_, matrix_.matrix);
         is_factorised_ = false;
     }

@@ -121,23 +121,13 @@ struct pushed_lanes {
             for (int lane = 0; lane < W; ++lane)
                 if (share[lane] < S(1)) entry[lane] = mul<I>(entry[lane], share[lane]);
     }
-    /// The change of angular velocity by an angular impulse of 1 about an axis, about the same axis.
-    Q answer(const S (&axis)[array][W]) const {
-        P x[array];
-        for (int i = 0; i < array; ++i) x[i] = P::load(axis[i]);
-        if constexpr (A == 1) {
-            return mul<I>(mul<I>(Q::load(inertia[0]), x[0]), x[0]);
-        } else {
-            Q y[3];
-            for (int i = 0; i < 3; ++i) y[i] = narrow<I>(inertia_row(i, x));
-            return narrow<I>(product(y[0], x[0]) + product(y[1], x[1]) + product(y[2], x[2]));
+    /// By which angular velocities change for an angular impulse of 1 about an axis.
+    void find_response(const S (&axis)[array][W], I (&response)[array][W]) const {
+        if constexpr (A == 1) mul<I>(Q::load(inertia[0]), P::load(axis[0])).store(response[0]);
+        if constexpr (A == 3) {
+            const P x[] = {P::load(axis[0]), P::load(axis[1]), P::load(axis[2])};
+            for (int i = 0; i < 3; ++i) narrow<I>(inertia_row(i, x)).store(response[i]);
         }
-    }
-    /// The change of angular velocity by an angular impulse.
-    void turn(const P (&impulse)[array], P (&change)[array]) const {
-        if constexpr (A == 1) change[0] = mul<S>(Q::load(inertia[0]), impulse[0]);
-        if constexpr (A == 3)
-            for (int i = 0; i < 3; ++i) change[i] = narrow<S>(inertia_row(i, impulse));
     }
 
 private:
@@ -173,6 +163,8 @@ struct row_lanes : own_directions<S, D, W, Two> {
     /// In passes with bias, see spring_step; and which part of an impulse goes.
     S push[W], share[W], loss[W];
     S mass[W], impulse[W];
+    /// By which angular velocities change for an impulse of 1.
+    I response_a[array][W], response_b[array][W];
     /// What of the impulse took the error back, where that is to be taken back itself.
     S correction[W];
     /// Of all substeps together.
@@ -225,10 +217,21 @@ struct row_lanes : own_directions<S, D, W, Two> {
             loss[lane] = with.rigid.impulse_scale;
         }
     }
+    /// A row along an axis of the world that is as stiff as can be, in lanes where it is (1, else 0): all but its
+    /// levers, error and bounds.
+    void begin_rigid(int axis, const P& is, const joint_pass<S>& with) {
+        clear();
+        is_on = true;
+        is.store(direction[axis]);
+        P::broadcast(with.rigid.mass_scale).store(share);
+        P::broadcast(with.rigid.mass_scale * with.rigid.rate).store(push);
+        P::broadcast(with.rigid.impulse_scale).store(loss);
+    }
     /// Turns forces into impulses, and cuts off what no number could hold.
     void finish(const side& a, const side& b, const joint_pass<S>& with) {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)), h = P::broadcast(with.h);
         const S unlimited = joint_row<S, D>::unlimited(), max_force = unlimited / max(with.h, S(1));
+        find_response(a, b);
         const P own = select_greater(P::load(high), P::load(low), inverse(k_of(a, b)), zero),
                 limit = P::broadcast(unlimited) / max(own, one), max_error = limit * min(h, one);
         own.store(mass);
@@ -249,6 +252,11 @@ struct row_lanes : own_directions<S, D, W, Two> {
         }
     }
 
+    /// Has to follow where inertias have changed.
+    void find_response(const side& a, const side& b) {
+        a.find_response(angular_a, response_a);
+        b.find_response(angular_b, response_b);
+    }
     /// Adds what it gave in a substep.
     void add_up() { (P::load(total) + P::load(impulse)).store(total); }
     [[nodiscard]] const auto& direction_of([[maybe_unused]] bool is_b) const {
@@ -275,8 +283,10 @@ struct row_lanes : own_directions<S, D, W, Two> {
             if constexpr (Two) of_a.at[i] = of_a.at[i] - mul<S>(mass_a, P::load(this->direction_a[i]) * by);
             else of_a.at[i] = of_a.at[i] - mul<S>(mass_a, p);
         }
-        turn(a, angular_a, by, of_a);
-        turn(b, angular_b, by, of_b);
+        for (int i = 0; i < A; ++i) {
+            of_a.at[D + i] = of_a.at[D + i] + mul<S>(Q::load(response_a[i]), by);
+            of_b.at[D + i] = of_b.at[D + i] + mul<S>(Q::load(response_b[i]), by);
+        }
     }
     /// What has room may come so near within the substep: that speed, else 0.
     P room() const {
@@ -345,7 +355,7 @@ private:
         const P along = square_of(direction);
         Q k = mul<I>(Q::load(a.mass) + Q::load(b.mass), along);
         if constexpr (Two) k = mul<I>(Q::load(a.mass), square_of(this->direction_a)) + mul<I>(Q::load(b.mass), along);
-        if constexpr (Rotates) k = k + a.answer(angular_a) + b.answer(angular_b);
+        if constexpr (Rotates) k = k + answer(angular_a, response_a) + answer(angular_b, response_b);
         return k;
     }
     static P square_of(const array_of_lanes* v) {
@@ -357,14 +367,12 @@ private:
         if constexpr (std::is_same_v<P, Q>) return lane_reciprocal(k);
         else return P::broadcast(k.lane(0) > I(0) ? reciprocal<S>(k.lane(0)) : S(0));
     }
-    static void turn([[maybe_unused]] const side& of, [[maybe_unused]] const S (&axis)[array][W],
-                     [[maybe_unused]] const P& by, [[maybe_unused]] lanes& to) {
-        if constexpr (A > 0) {
-            P moment[array], change[array];
-            for (int i = 0; i < A; ++i) moment[i] = P::load(axis[i]) * by;
-            of.turn(moment, change);
-            for (int i = 0; i < A; ++i) to.at[D + i] = to.at[D + i] + change[i];
-        }
+    static Q answer(const S (&axis)[array][W], const I (&response)[array][W]) {
+        if constexpr (A == 1) return mul<I>(Q::load(response[0]), P::load(axis[0]));
+        else
+            return narrow<I>(product(Q::load(response[0]), P::load(axis[0])) +
+                             product(Q::load(response[1]), P::load(axis[1])) +
+                             product(Q::load(response[2]), P::load(axis[2])));
     }
 };
 

@@ -14,6 +14,9 @@ struct ball_joint {
     static constexpr int row_count = D;
     PHYSICS_HPP_MEMBERS(anchor_a, anchor_b)
 
+    static constexpr std::uint32_t point_rows = (1u << D) - 1;
+    [[nodiscard]] bool holds_points_only() const { return true; }
+    [[nodiscard]] point_pair<S, D> points() const { return {anchor_a, anchor_b}; }
     void rows(const joint_frames<S, D>& at, joint_row<S, D>* row) const { at.hold(anchor_a, anchor_b, row); }
 };
 

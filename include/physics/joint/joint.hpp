@@ -18,6 +18,8 @@ struct joint_drive {
     static constexpr int row_count = 4;
     /// Whether it matters where the coordinate is.
     [[nodiscard]] constexpr bool uses_value() const { return spring.is_on() || is_limit(min) || is_limit(max); }
+    /// Whether any row is on.
+    [[nodiscard]] constexpr bool is_on() const { return uses_value() || max_motor > S(0); }
     static constexpr bool is_limit(S x) { return x < scalar_traits<S>::max() && -x < scalar_traits<S>::max(); }
 
     /// `along` has the Jacobian of the coordinate, which is at `value`.
@@ -137,7 +139,9 @@ concept writes_rows = requires(const Joint& joint, const frames_for<Joint, S, D>
 /// is called as a joint is made or set, for what it leaves open till then; check_at(frames, function) before that, for
 /// what depends on where bodies are. Of a kind with a `static constexpr bool two_directions = true` a row pulls A
 /// otherwise than B, and the world bears the difference: rows(grounded_frames, row, direction_a) writes the negative of
-/// the Jacobian of A's centre of mass too.
+/// the Jacobian of A's centre of mass too. A kind that holds a point of B to one of A by joint_frames::hold may say so
+/// by the bits of `static constexpr std::uint32_t point_rows`, with points(), and holds_points_only(), whether no other
+/// row is on: such joints are written in lanes.
 template <class Joint, class S, int D>
 concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
     requires(const Joint& joint) {

@@ -97,6 +97,12 @@ constexpr joint_row<S, D> operator-(const joint_row<S, D>& r) {
     return result;
 }
 
+/// A point of A and one of B, in the bodies' frames.
+template <class S, int D>
+struct point_pair {
+    vec<S, D> a, b;
+};
+
 /// An angle that is counted over any number of turns: 2 pi turns + angle, |angle| <= pi.
 template <class S>
 struct counted_angle {
@@ -107,6 +113,12 @@ struct counted_angle {
     [[nodiscard]] constexpr counted_angle at(S next) const {
         constexpr double pi = 3.141592653589793;
         return {next, turns + (next - angle > S(pi) ? -1 : next - angle < S(-pi) ? 1 : 0)};
+    }
+    /// The same when it has turned by about so much.
+    [[nodiscard]] constexpr counted_angle after(double turned, S next) const {
+        const double passed = (detail::to_double(angle) + turned - detail::to_double(next)) / 6.283185307179586;
+        if (!(passed < 1e9) || !(passed > -1e9)) return {next, turns};
+        return {next, turns + static_cast<std::int32_t>(passed < 0 ? passed - 0.5 : passed + 0.5)};
     }
     [[nodiscard]] constexpr S total() const { return angle + S(6.283185307179586) * S(turns); }
     /// The same, for differences of what has turned far.

@@ -27,6 +27,9 @@ struct revolute_joint {
 
     [[nodiscard]] joint_spring<S> spring() const { return {frequency, damping_ratio, stiffness, damping}; }
 
+    static constexpr std::uint32_t point_rows = D == 2 ? 3u << joint_drive<S>::row_count : 0;
+    [[nodiscard]] bool holds_points_only() const { return !drive_of().is_on(); }
+    [[nodiscard]] point_pair<S, D> points() const { return {frame_a.position, frame_b.position}; }
     static constexpr int angle_count = 1;
     [[nodiscard]] S angle(const joint_frames<S, D>& at, int) const {
         return at.angle_about_z(at.relative(frame_a.rotation, frame_b.rotation));
