@@ -61,94 +61,123 @@ struct joint_matrix {
         for (std::uint32_t r = 0; r < of.row_count; ++r) result[r] = K::broadcast(C(0));
         for (std::uint32_t i = 0; i < of.joint_count; ++i) {
             const joint_pattern::joint& j = of.joints[i];
-            for (std::uint32_t l = 0; l < j.height; ++l) {
-                const std::uint32_t at = of.panel_rows[j.panel_rows + l];
-                for (std::uint32_t k = 0; k < j.row_count && k <= l; ++k) {
-                    const std::uint32_t r = j.first_row + k;
-                    const K& a = matrix[j.panel + l * j.row_count + k];
-                    result[at] = result[at] + a * x[r];
-                    if (l != k) result[r] = result[r] + a * x[at];
+            const std::uint32_t width = j.row_count;
+            const K* const own_x = x + j.first_row;
+            K* const own = result + j.first_row;
+            const K* a = matrix + j.panel;
+            for (std::uint32_t l = 0; l < width; ++l, a += width) {
+                K sum = own[l] + a[l] * own_x[l];
+                for (std::uint32_t k = 0; k < l; ++k) {
+                    sum = sum + a[k] * own_x[k];
+                    own[k] = own[k] + a[k] * own_x[l];
                 }
+                own[l] = sum;
+            }
+            for (std::uint32_t l = width; l < j.height; ++l, a += width) {
+                const std::uint32_t at = of.panel_rows[j.panel_rows + l];
+                const K of_later = x[at];
+                K sum = result[at];
+                for (std::uint32_t k = 0; k < width; ++k) {
+                    sum = sum + a[k] * own_x[k];
+                    own[k] = own[k] + a[k] * of_later;
+                }
+                result[at] = sum;
             }
         }
     }
     /// L D L^T of the rows that are in; the others have a diagonal of 1.
     void factorise(bool corrects) {
-        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
-        for (std::uint32_t i = 0; i < of.joint_count; ++i) {
-            const joint_pattern::joint& j = of.joints[i];
-            for (std::uint32_t l = 0; l < j.height; ++l) {
-                const std::uint32_t at = of.panel_rows[j.panel_rows + l];
-                for (std::uint32_t k = 0; k < j.row_count; ++k) {
-                    const std::uint32_t n = j.panel + l * j.row_count + k;
-                    const entry& w = row[j.first_row + k];
-                    if (l == k)
-                        factors[n] = select_greater(
-                            w.in, zero, matrix[n] + matrix[n] * (corrects ? w.slack + w.far : w.slack) + w.softness,
-                            one);
-                    else factors[n] = matrix[n] * (w.in * row[at].in);
-                }
-            }
-        }
-        for (std::uint32_t i = 0; i < of.joint_count; ++i) {
-            const joint_pattern::joint& j = of.joints[i];
-            const std::uint32_t width = j.row_count;
-            K* const panel = factors + j.panel;
-            for (std::uint32_t k = 0; k < width; ++k) {
-                entry& w = row[j.first_row + k];
-                // What is left of a row that others say already is rounding: it gives way.
-                const K own = matrix[j.panel + k * width + k], left = panel[k * width + k];
-                const K says_nothing = select_greater(own * K::broadcast(tolerance), left, one, zero);
-                w.leak = own * says_nothing * w.in * K::broadcast(C(give_way));
-                w.inverse_pivot = lane_reciprocal(max(left, zero) + w.leak);
-                for (std::uint32_t l = k + 1; l < j.height; ++l) {
-                    const K kept = panel[l * width + k], scaled = kept * w.inverse_pivot;
-                    panel_[l * width + k] = kept;
-                    for (std::uint32_t m = k + 1; m <= l && m < width; ++m)
-                        panel[l * width + m] = panel[l * width + m] - scaled * panel_[m * width + k];
-                    panel[l * width + k] = scaled;
-                }
-            }
-            for (std::uint32_t n = j.updates; n < of.joints[i + 1].updates; ++n) {
-                const joint_pattern::update& u = of.updates[n];
-                for (std::uint32_t l = 0; l < u.rows; ++l)
-                    for (std::uint32_t m = 0; m < u.columns; ++m) {
-                        K sum = panel[(u.first + l) * width] * panel_[(u.other + m) * width];
-                        for (std::uint32_t k = 1; k < width; ++k)
-                            sum = sum + panel[(u.first + l) * width + k] * panel_[(u.other + m) * width + k];
-                        factors[u.to + l * u.stride + m] = factors[u.to + l * u.stride + m] - sum;
-                    }
-            }
-        }
+        fill(corrects);
+        for (std::uint32_t i = 0; i < of.joint_count; ++i) eliminate(i);
     }
     /// The right-hand sides become what rows are to give.
     void substitute() {
         for (std::uint32_t r = 0; r < of.row_count; ++r) row[r].right_hand = row[r].right_hand * row[r].in;
         for (std::uint32_t i = 0; i < of.joint_count; ++i) {
             const joint_pattern::joint& j = of.joints[i];
-            const K* const panel = factors + j.panel;
-            for (std::uint32_t k = 0; k < j.row_count; ++k) {
-                const K x = row[j.first_row + k].right_hand;
-                for (std::uint32_t l = k + 1; l < j.height; ++l) {
-                    K& to = row[of.panel_rows[j.panel_rows + l]].right_hand;
-                    to = to - panel[l * j.row_count + k] * x;
-                }
+            entry* const own = row + j.first_row;
+            const K* a = factors + j.panel;
+            for (std::uint32_t l = 0; l < j.height; ++l, a += j.row_count) {
+                K& to = row[of.panel_rows[j.panel_rows + l]].right_hand;
+                K x = to;
+                for (std::uint32_t k = 0; k < l && k < j.row_count; ++k) x = x - a[k] * own[k].right_hand;
+                to = x;
             }
         }
         for (std::uint32_t i = of.joint_count; i-- > 0;) {
             const joint_pattern::joint& j = of.joints[i];
-            const K* const panel = factors + j.panel;
-            for (std::uint32_t k = j.row_count; k-- > 0;) {
-                entry& w = row[j.first_row + k];
-                K x = w.right_hand * w.inverse_pivot;
-                for (std::uint32_t l = k + 1; l < j.height; ++l)
-                    x = x - panel[l * j.row_count + k] * row[of.panel_rows[j.panel_rows + l]].right_hand;
-                w.right_hand = x;
+            entry* const own = row + j.first_row;
+            for (std::uint32_t k = 0; k < j.row_count; ++k)
+                own[k].right_hand = own[k].right_hand * own[k].inverse_pivot;
+            const K* a = factors + j.panel + j.height * j.row_count;
+            for (std::uint32_t l = j.height; l-- > 0;) {
+                a -= j.row_count;
+                const K x = row[of.panel_rows[j.panel_rows + l]].right_hand;
+                for (std::uint32_t k = 0; k < l && k < j.row_count; ++k)
+                    own[k].right_hand = own[k].right_hand - a[k] * x;
             }
         }
     }
 
 private:
+    /// The factors as the matrix, of the rows that are in.
+    void fill(bool corrects) {
+        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
+        for (std::uint32_t i = 0; i < of.joint_count; ++i) {
+            const joint_pattern::joint& j = of.joints[i];
+            const std::uint32_t width = j.row_count;
+            const entry* const own = row + j.first_row;
+            const K* from = matrix + j.panel;
+            K* to = factors + j.panel;
+            for (std::uint32_t l = 0; l < j.height; ++l, from += width, to += width) {
+                const K in = row[of.panel_rows[j.panel_rows + l]].in;
+                for (std::uint32_t k = 0; k < width; ++k) to[k] = from[k] * (own[k].in * in);
+                if (l >= width) continue;
+                const entry& w = own[l];
+                const K gives = corrects ? w.slack + w.far : w.slack;
+                to[l] = select_greater(w.in, zero, from[l] + from[l] * gives + w.softness, one);
+            }
+        }
+    }
+    /// The rows of a joint: its panel, and what that takes from later ones.
+    void eliminate(std::uint32_t i) {
+        const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
+        const joint_pattern::joint& j = of.joints[i];
+        const std::uint32_t width = j.row_count;
+        K* const panel = factors + j.panel;
+        for (std::uint32_t k = 0; k < width; ++k) {
+            entry& w = row[j.first_row + k];
+            // What is left of a row that others say already is rounding: it gives way.
+            const K own = matrix[j.panel + k * width + k], left = panel[k * width + k];
+            const K says_nothing = select_greater(own * K::broadcast(tolerance), left, one, zero);
+            w.leak = own * says_nothing * w.in * K::broadcast(C(give_way));
+            const K inverse_pivot = lane_reciprocal(max(left, zero) + w.leak);
+            w.inverse_pivot = inverse_pivot;
+            for (std::uint32_t l = k + 1; l < j.height; ++l) {
+                K* const at = panel + l * width;
+                const K kept = at[k], scaled = kept * inverse_pivot;
+                panel_[l * width + k] = kept;
+                for (std::uint32_t m = k + 1; m <= l && m < width; ++m) at[m] = at[m] - scaled * panel_[m * width + k];
+                at[k] = scaled;
+            }
+        }
+        for (std::uint32_t n = j.updates; n < of.joints[i + 1].updates; ++n) {
+            const joint_pattern::update& u = of.updates[n];
+            for (std::uint32_t l = 0; l < u.rows; ++l) {
+                const K* const x = panel + (u.first + l) * width;
+                K* const to = factors + u.to + l * u.stride;
+                // Of a joint with itself half is enough.
+                const std::uint32_t columns = u.first == u.other ? l + 1 : u.columns;
+                for (std::uint32_t m = 0; m < columns; ++m) {
+                    const K* const y = panel_ + (u.other + m) * width;
+                    K sum = x[0] * y[0];
+                    for (std::uint32_t k = 1; k < width; ++k) sum = sum + x[k] * y[k];
+                    to[m] = to[m] - sum;
+                }
+            }
+        }
+    }
+
     /// How far a row gives way that others say already, as a part of its diagonal.
     static constexpr double give_way = 0x1p-10;
 
