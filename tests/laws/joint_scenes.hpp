@@ -324,5 +324,70 @@ CELL_CASE("joint scenes: a top goes round by its rate, and does not nod") {
 }
 #endif
 
+/// A motor of a hinge that drives a box of 1 kg, `arm` from the hinge, from the level on.
+template <class World>
+struct driven_arm {
+    World w;
+    joint_id hinge;
+    double inertia;
+
+    driven_arm(int substeps, double arm, double speed, double torque) : w(falling<World>(substeps)) {
+        const body_id box = add_box(w, at(arm), 0.25, 0.125);
+        w.set_can_sleep(box, false);
+        inertia = arm * arm + joint_laws::about_z(w.mass(box).inertia);
+        hinge = w.create_joint(
+            add_anchor(w, at(0, 0)), box,
+            revolute_joint{.frame_b = frame(-arm), .motor_speed = S(speed), .max_motor_torque = S(torque)});
+    }
+    double angle_after(double h) {
+        w.step(S(h));
+        return number(w.joint_angle(hinge));
+    }
+};
+template <class World>
+void motor_gives_its_torque(int substeps) {
+    CAPTURE(substeps);
+    const double h = 1.0 / 60;
+    // 5 N m a kg m^2 take it to 10 rad/s in 2 s, and hold that.
+    driven_arm<World> rotor(substeps, 0, 10, 0);
+    auto motor = rotor.w.template joint<revolute_joint>(rotor.hinge);
+    motor.max_motor_torque = S(5 * rotor.inertia);
+    rotor.w.set_joint(rotor.hinge, motor);
+    double angle = 0, speed = 0, worst = 0;
+    for (int i = 1; i <= 180; ++i) {
+        const double next = rotor.angle_after(h);
+        speed = (next - angle) / h;
+        angle = next;
+        // As fast as it is in the middle of a step, in whose substeps speeds are those of their ends.
+        worst = std::max(worst, std::abs(speed - std::min(5 * (i - 0.5 + 0.5 / substeps) * h, 10.0)));
+    }
+    CHECK(worst < 0.03);
+    CHECK(std::abs(speed - 10) < 0.002);
+    CHECK(std::abs(angle - 20) < 0.01 + 5 * h / substeps);
+    // A load of 10 N m: a motor of 1/49 more lifts it over the top, and is never faster than it should be.
+    driven_arm<World> lifts(substeps, 1, 2, 10 * 5 / 4.9), stalls(substeps, 1, 2, 10 * 5 / 5.1);
+    double fastest = 0, highest = -1, lowest = 1;
+    angle = 0;
+    for (int i = 0; i < 600; ++i) {
+        const double next = lifts.angle_after(h);
+        fastest = std::max(fastest, (next - angle) / h);
+        angle = next;
+        // One of 1/51 less sinks to where its torque has given what the load has lost, and comes back.
+        const double now = stalls.angle_after(h);
+        highest = std::max(highest, now);
+        lowest = std::min(lowest, now);
+    }
+    CHECK(angle > pi / 2);
+    CHECK(fastest < 2.01);
+    CHECK(highest < 0.01);
+    double end = -0.35;
+    for (int i = 0; i < 20; ++i) end -= (5 * end - 5.1 * std::sin(end)) / (5 - 5.1 * std::cos(end));
+    CHECK(std::abs(lowest - end) < 0.01);
+}
+CELL_CASE("joint scenes: a motor speeds up, lifts and stalls by its torque") {
+    for (const int substeps : {1, 4, 16}) motor_gives_its_torque<plain>(substeps);
+    motor_gives_its_torque<bouncing>(4);
+}
+
 }  // namespace joint_scene_laws
 }  // namespace
