@@ -28671,10 +28671,10 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// What contacts are prepared in: floats as they are; other scalars by way of double, which has room for products of
+/// What contacts are prepared in: fixed point by way of double, which has room for products of
 /// inverse masses.
 template <class S, int W>
-using preparing = kernel_pack<std::conditional_t<std::is_floating_point_v<S>, S, double>, W>;
+using preparing = kernel_pack<std::conditional_t<is_fixed<S>, double, S>, W>;
 
 /// W contacts that are prepared together, some of which may be none. Contacts are rows of scalars, which lanes read
 /// faster than one by one.
