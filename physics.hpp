@@ -31702,6 +31702,8 @@ struct sleep_state {
     buffer<S> carried_from;
     /// Of each sleeper the next one of its island, in a ring.
     buffer<std::uint32_t> island_next;
+    /// How many bodies are asleep.
+    std::uint32_t sleepers = 0;
     /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
     buffer<typename Plan::contact> contacts;
     /// Length of the step in which their impulses acted (s).
@@ -31721,7 +31723,7 @@ struct sleep_state {
         carried_from[body] = S(-1);
         island_next[body] = no_sleeper;
     }
-    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, contacts, step)
+    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, sleepers, contacts, step)
 };
 struct no_sleep_state {
     static constexpr bool is_asleep(std::uint32_t) { return false; }
@@ -32081,6 +32083,7 @@ wake_input<Plan> to_wake(state<Plan>& s, step_data<Plan>& d) {
 template <class Plan>
 void finish_waking(const wake_input<Plan>& w) {
     for (const std::uint32_t i : w.step.woken) {
+        if (w.sleep.is_asleep(i)) --w.sleep.sleepers;
         w.sleep.island_next[i] = no_sleeper;
         w.sleep.sleep_time[i] = {};
         reinsert_proxies<Plan>(w.bodies, w.shapes, w.sleep, w.settings.contact_margin, w.broadphase, i);
@@ -32125,6 +32128,7 @@ void wake_islands(const wake_input<Plan>& w, Each&& each) {
 template <class Plan>
 void wake_near(const wake_input<Plan>& w, std::uint32_t body,
                const transform<typename Plan::scalar, Plan::dimension>& to) {
+    if (w.sleep.sleepers == 0) return;
     auto& near = w.step.near;
     near.clear();
     each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto& shape) {
@@ -32868,6 +32872,7 @@ private:
     }
     void fall_asleep(std::uint32_t i, island& of) {
         bodies_[i].velocity = {};
+        if (!sleep_.is_asleep(i)) ++sleep_.sleepers;
         if (of.first == no_sleeper) of.first = i;
         else sleep_.island_next[of.last] = i;
         of.last = i;

@@ -165,5 +165,39 @@ CELL_CASE("sleep: what begins to slip or to tip stays awake") {
     }
 }
 
+CELL_CASE("resting: what comes beside a sleeper wakes it, whatever has slept, woken and gone before") {
+    world::settings_type settings;
+    settings.gravity = along(1, -10);
+    world w(settings);
+    add_ground(w);
+    cell::dice dice(11);
+    const auto place = [](int i) { return at(2.5 * i - 10, 0.5); };
+    std::vector<body_id> boxes;
+    for (int i = 0; i < 8; ++i) boxes.push_back(add_box(w, place(i)));
+    int woken = 0;
+    for (int round = 0; round < 60; ++round) {
+        const int i = dice.below(8), done = dice.below(6);
+        const body_id box = boxes[static_cast<std::size_t>(i)];
+        if (done == 0) w.wake(box);
+        if (done == 1) w.apply_impulse(box, at(0.5, 0));
+        if (done == 2) w.set_pose(box, {place(i), {}});
+        if (done == 3) {
+            w.destroy_body(box);
+            boxes[static_cast<std::size_t>(i)] = add_box(w, place(i));
+        }
+        run(w, done == 4 ? 1 : 96);
+        const world before = w;
+        for (const body_id b : boxes) {
+            if (!w.is_asleep(b)) continue;
+            world copy = before;
+            add_ball(copy, w.position(b) + at(0, 0.9));
+            CHECK(!copy.is_asleep(b));
+            ++woken;
+        }
+        if (done == 5) w = before;
+    }
+    CHECK(woken > 100);
+}
+
 }  // namespace resting_laws
 }  // namespace

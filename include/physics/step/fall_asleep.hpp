@@ -169,6 +169,7 @@ private:
     }
     void fall_asleep(std::uint32_t i, island& of) {
         bodies_[i].velocity = {};
+        if (!sleep_.is_asleep(i)) ++sleep_.sleepers;
         if (of.first == no_sleeper) of.first = i;
         else sleep_.island_next[of.last] = i;
         of.last = i;

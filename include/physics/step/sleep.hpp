@@ -69,6 +69,7 @@ wake_input<Plan> to_wake(state<Plan>& s, step_data<Plan>& d) {
 template <class Plan>
 void finish_waking(const wake_input<Plan>& w) {
     for (const std::uint32_t i : w.step.woken) {
+        if (w.sleep.is_asleep(i)) --w.sleep.sleepers;
         w.sleep.island_next[i] = no_sleeper;
         w.sleep.sleep_time[i] = {};
         reinsert_proxies<Plan>(w.bodies, w.shapes, w.sleep, w.settings.contact_margin, w.broadphase, i);
@@ -113,6 +114,7 @@ void wake_islands(const wake_input<Plan>& w, Each&& each) {
 template <class Plan>
 void wake_near(const wake_input<Plan>& w, std::uint32_t body,
                const transform<typename Plan::scalar, Plan::dimension>& to) {
+    if (w.sleep.sleepers == 0) return;
     auto& near = w.step.near;
     near.clear();
     each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto& shape) {

@@ -93,6 +93,8 @@ struct sleep_state {
     buffer<S> carried_from;
     /// Of each sleeper the next one of its island, in a ring.
     buffer<std::uint32_t> island_next;
+    /// How many bodies are asleep.
+    std::uint32_t sleepers = 0;
     /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
     buffer<typename Plan::contact> contacts;
     /// Length of the step in which their impulses acted (s).
@@ -112,7 +114,7 @@ struct sleep_state {
         carried_from[body] = S(-1);
         island_next[body] = no_sleeper;
     }
-    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, contacts, step)
+    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, sleepers, contacts, step)
 };
 struct no_sleep_state {
     static constexpr bool is_asleep(std::uint32_t) { return false; }
