@@ -220,6 +220,19 @@ CELL_CASE("joint nets: points are held in lanes to the bits that their rows say"
     SUBCASE("soft_step, directly") { points_move_as_their_rows_say<three_kinds<>>(true); }
     SUBCASE("sequential_impulse") { points_move_as_their_rows_say<three_kinds<physics::sequential_impulse>>(false); }
 }
+CELL_CASE("joint nets: turns are those that bring an angle nearest to where it was, and what it has turned") {
+    const auto turns_after = [](double angle, int turns, double turned, double next) {
+        return physics::counted_angle<S>{S(angle), turns}.after(turned, S(next)).turns;
+    };
+    CHECK(turns_after(3, 2, 0.5, 3.5 - 2 * pi) == 3);
+    CHECK(turns_after(-3, 2, -0.5, 2 * pi - 3.5) == 1);
+    CHECK(turns_after(1, 0, 100, 101 - 32 * pi) == 16);
+    CHECK(turns_after(1, 0, -100, 32 * pi - 99) == -16);
+    CHECK(turns_after(1, 5, 0, 1) == 5);
+    // What is no number of turns leaves them as they are, and what has no room is not undefined.
+    CHECK(turns_after(1, 5, 1e30, 1) == 5);
+    CHECK(turns_after(1, 2147483647, 2 * pi, 1) == -2147483647 - 1);
+}
 CELL_CASE("joint nets: turns of what spins fast are counted, whoever solves it") {
     for (const bool direct : {false, true}) {
         CAPTURE(direct);

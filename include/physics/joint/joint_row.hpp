@@ -118,7 +118,9 @@ struct counted_angle {
     [[nodiscard]] constexpr counted_angle after(double turned, S next) const {
         const double passed = (detail::to_double(angle) + turned - detail::to_double(next)) / 6.283185307179586;
         if (!(passed < 1e9) || !(passed > -1e9)) return {next, turns};
-        return {next, turns + static_cast<std::int32_t>(passed < 0 ? passed - 0.5 : passed + 0.5)};
+        const auto more = static_cast<std::int32_t>(passed < 0 ? passed - 0.5 : passed + 0.5);
+        // As unsigned numbers: these wrap where there is no room.
+        return {next, static_cast<std::int32_t>(static_cast<std::uint32_t>(turns) + static_cast<std::uint32_t>(more))};
     }
     [[nodiscard]] constexpr S total() const { return angle + S(6.283185307179586) * S(turns); }
     /// The same, for differences of what has turned far.
