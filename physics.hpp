@@ -20889,7 +20889,7 @@ struct joint_drive {
     /// Whether it matters where the coordinate is.
     [[nodiscard]] constexpr bool uses_value() const { return spring.is_on() || is_limit(min) || is_limit(max); }
     /// Whether any row is on.
-    [[nodiscard]] constexpr bool is_on() const { return uses_value() || max_motor > S(0); }
+    [[nodiscard]] constexpr bool is_on() const { return min == max || uses_value() || max_motor > S(0); }
     static constexpr bool is_limit(S x) { return x < scalar_traits<S>::max() && -x < scalar_traits<S>::max(); }
 
     /// `along` has the Jacobian of the coordinate, which is at `value`.
@@ -25258,12 +25258,13 @@ vec<S, D> write_rows(step_joint<Joint, S, D>& joint, [[maybe_unused]] bool is_ah
 template <class Joint, class S, int D, bool Rotates>
 void count_turns_since(step_joint<Joint, S, D>& joint, const joint_pose<S, D, Rotates>& a,
                        const joint_pose<S, D, Rotates>& b) {
-    static_assert(D == 2 && Rotates);
+    static_assert(D == 2);
     auto at = joint.start;
     at.rotation_a = a.rotation_from(at.rotation_a);
     at.rotation_b = b.rotation_from(at.rotation_b);
     at.is_rough = true;
-    const double by = to_double(b.displacement.angular) - to_double(a.displacement.angular);
+    double by = 0;
+    if constexpr (Rotates) by = to_double(b.displacement.angular) - to_double(a.displacement.angular);
     for (int i = 0; i < angles_of<Joint>(); ++i) joint.turned[i] = joint.turned[i].after(by, joint.joint->angle(at, i));
 }
 /// What a row gave in the last step, for substeps of h.
@@ -25829,6 +25830,7 @@ protected:
     }
     void write_rows(const body* bodies, const pose* poses, const joint_pass<S>& with) {
         has_bounds_ = is_any_far_ = false;
+        bool is_any_raised = false;
         for (std::uint32_t r = 0; r < of_.row_count; ++r) rows_[r].clear();
         for (int lane = 0; lane < W; ++lane) {
             if (joint_at(0, lane) == nullptr) continue;
@@ -25842,13 +25844,17 @@ protected:
                 inertia_share_[k * W + static_cast<std::uint32_t>(lane)] = sway_[k] > 1 ? S(1 / sway_[k]) : S(1);
                 largest = max(largest, sway_[k]);
             }
+            is_any_raised = is_any_raised || largest > 1;
             resolved_[lane] = largest > max_resolved ? S(0) : S(1);
         }
         each_row(
             [&](std::uint32_t r, const joint_pattern::joint& j) { rows_[r].finish(sides_[j.a], sides_[j.b], with); });
-        for (std::uint32_t k = 0; k < of_.body_count; ++k) sides_[k].scale_inertia(inertia_share_ + k * W);
-        each_row(
-            [&](std::uint32_t r, const joint_pattern::joint& j) { rows_[r].find_response(sides_[j.a], sides_[j.b]); });
+        if (is_any_raised) {
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) sides_[k].scale_inertia(inertia_share_ + k * W);
+            each_row([&](std::uint32_t r, const joint_pattern::joint& j) {
+                rows_[r].find_response(sides_[j.a], sides_[j.b]);
+            });
+        }
         assemble<S, D, Rotates, Two>(of_, rows_, sides_, matrix_.matrix);
         is_factorised_ = false;
     }
@@ -28673,10 +28679,10 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// What contacts are prepared in: fixed point by way of double, which has room for products of
-/// inverse masses.
+/// What contacts are prepared in: scalars that hold no inverse masses by way of double, which has room for their
+/// products; others as they are.
 template <class S, int W>
-using preparing = kernel_pack<std::conditional_t<is_fixed<S>, double, S>, W>;
+using preparing = kernel_pack<std::conditional_t<std::is_same_v<inverse_of<S>, S>, S, double>, W>;
 
 /// W contacts that are prepared together, some of which may be none. Contacts are rows of scalars, which lanes read
 /// faster than one by one.

@@ -3,27 +3,6 @@
 
 #include "joint_cell.hpp"
 
-/// Of a user's, in a namespace that is the same in all units.
-namespace own_joints {
-
-/// A point to a point, told by its rows alone.
-template <class T, int N>
-struct row_by_row {
-    physics::vec<T, N> anchor_a{}, anchor_b{};
-    static constexpr int row_count = N;
-    PHYSICS_HPP_MEMBERS(anchor_a, anchor_b)
-
-    void rows(const physics::joint_frames<T, N>& at, physics::joint_row<T, N>* row) const {
-        at.hold(anchor_a, anchor_b, row);
-    }
-};
-template <class T, int N>
-bool check(const row_by_row<T, N>&, const char*) {
-    return true;
-}
-
-}  // namespace own_joints
-
 namespace {
 namespace net_laws {
 
@@ -160,7 +139,7 @@ CELL_CASE("joint nets: motors go no faster than they drive the levers") {
 
 template <class... Policies>
 struct three_kinds
-    : physics::recipe<S, D, few, physics::joints<physics::ball_joint, physics::revolute_joint, own_joints::row_by_row>,
+    : physics::recipe<S, D, few, physics::joints<physics::ball_joint, physics::revolute_joint, own_joints::pin>,
                       Policies...> {};
 /// Balls and boxes that are joined to neighbours on a grid, two of them driven and fixed, over the ground.
 template <class Joint, class World>
@@ -203,7 +182,7 @@ void points_move_as_their_rows_say(bool direct) {
     using World = physics::world<Recipe>;
     World points = falling_by<World>(3, direct), rows = points, hinges = points;
     const auto all = add_grid<physics::ball_joint<S, D>>(points);
-    add_grid<own_joints::row_by_row<S, D>>(rows);
+    add_grid<own_joints::pin<S, D>>(rows);
     if constexpr (D == 2) add_grid<physics::revolute_joint<S, D>>(hinges);
     else add_grid<physics::ball_joint<S, D>>(hinges);
     for (int i = 0; i < 150; ++i) {
@@ -219,6 +198,9 @@ CELL_CASE("joint nets: points are held in lanes to the bits that their rows say"
     SUBCASE("soft_step") { points_move_as_their_rows_say<three_kinds<>>(false); }
     SUBCASE("soft_step, directly") { points_move_as_their_rows_say<three_kinds<>>(true); }
     SUBCASE("sequential_impulse") { points_move_as_their_rows_say<three_kinds<physics::sequential_impulse>>(false); }
+    SUBCASE("bodies that do not turn") {
+        points_move_as_their_rows_say<three_kinds<physics::without<physics::feature::rotation>>>(false);
+    }
 }
 CELL_CASE("joint nets: turns are those that bring an angle nearest to where it was, and what it has turned") {
     const auto turns_after = [](double angle, int turns, double turned, double next) {

@@ -4,33 +4,6 @@
 #include "joint_cell.hpp"
 #include "laws/members.hpp"
 
-/// Of a user's, in a namespace that is the same in all units.
-namespace own_joints {
-
-/// A kind of joint of a user's own: a point of one body stays at a point of the other.
-template <class T, int N>
-struct pin {
-    physics::vec<T, N> anchor_a{}, anchor_b{};
-    static constexpr int row_count = N;
-    PHYSICS_HPP_MEMBERS(anchor_a, anchor_b)
-
-    void rows(const physics::joint_frames<T, N>& at, physics::joint_row<T, N>* row) const {
-        const auto r_a = at.r_a(anchor_a), r_b = at.r_b(anchor_b), gap = at.between + (r_b - r_a);
-        for (int i = 0; i < N; ++i) {
-            physics::vec<T, N> axis;
-            axis[i] = T(1);
-            row[i] = at.along(axis, r_a, r_b).equality(gap[i]);
-        }
-    }
-};
-template <class T, int N>
-bool check(const pin<T, N>& p, const char* function) {
-    return physics::detail::check_finite(function, "anchor_a", p.anchor_a) &&
-           physics::detail::check_finite(function, "anchor_b", p.anchor_b);
-}
-
-}  // namespace own_joints
-
 namespace {
 namespace joint_laws {
 

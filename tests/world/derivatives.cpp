@@ -19,15 +19,9 @@ template <class S, int D>
 struct throws : physics::recipe<S, D, physics::shapes<physics::ball, physics::box, physics::halfspace>,
                                 physics::without<physics::feature::continuous>> {};
 
-template <int D>
-physics::vec<dual, D> sideways(dual x) {
-    physics::vec<dual, D> v;
-    v[0] = x;
-    return v;
-}
-template <int D>
-physics::vec<double, D> sideways(double x) {
-    physics::vec<double, D> v;
+template <int D, class S>
+physics::vec<S, D> sideways(S x) {
+    physics::vec<S, D> v;
     v[0] = x;
     return v;
 }

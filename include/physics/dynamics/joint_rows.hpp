@@ -91,12 +91,13 @@ vec<S, D> write_rows(step_joint<Joint, S, D>& joint, [[maybe_unused]] bool is_ah
 template <class Joint, class S, int D, bool Rotates>
 void count_turns_since(step_joint<Joint, S, D>& joint, const joint_pose<S, D, Rotates>& a,
                        const joint_pose<S, D, Rotates>& b) {
-    static_assert(D == 2 && Rotates);
+    static_assert(D == 2);
     auto at = joint.start;
     at.rotation_a = a.rotation_from(at.rotation_a);
     at.rotation_b = b.rotation_from(at.rotation_b);
     at.is_rough = true;
-    const double by = to_double(b.displacement.angular) - to_double(a.displacement.angular);
+    double by = 0;
+    if constexpr (Rotates) by = to_double(b.displacement.angular) - to_double(a.displacement.angular);
     for (int i = 0; i < angles_of<Joint>(); ++i) joint.turned[i] = joint.turned[i].after(by, joint.joint->angle(at, i));
 }
 /// What a row gave in the last step, for substeps of h.

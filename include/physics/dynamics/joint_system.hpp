@@ -104,6 +104,7 @@ protected:
     }
     void write_rows(const body* bodies, const pose* poses, const joint_pass<S>& with) {
         has_bounds_ = is_any_far_ = false;
+        bool is_any_raised = false;
         for (std::uint32_t r = 0; r < of_.row_count; ++r) rows_[r].clear();
         for (int lane = 0; lane < W; ++lane) {
             if (joint_at(0, lane) == nullptr) continue;
@@ -117,13 +118,17 @@ protected:
                 inertia_share_[k * W + static_cast<std::uint32_t>(lane)] = sway_[k] > 1 ? S(1 / sway_[k]) : S(1);
                 largest = max(largest, sway_[k]);
             }
+            is_any_raised = is_any_raised || largest > 1;
             resolved_[lane] = largest > max_resolved ? S(0) : S(1);
         }
         each_row(
             [&](std::uint32_t r, const joint_pattern::joint& j) { rows_[r].finish(sides_[j.a], sides_[j.b], with); });
-        for (std::uint32_t k = 0; k < of_.body_count; ++k) sides_[k].scale_inertia(inertia_share_ + k * W);
-        each_row(
-            [&](std::uint32_t r, const joint_pattern::joint& j) { rows_[r].find_response(sides_[j.a], sides_[j.b]); });
+        if (is_any_raised) {
+            for (std::uint32_t k = 0; k < of_.body_count; ++k) sides_[k].scale_inertia(inertia_share_ + k * W);
+            each_row([&](std::uint32_t r, const joint_pattern::joint& j) {
+                rows_[r].find_response(sides_[j.a], sides_[j.b]);
+            });
+        }
         assemble<S, D, Rotates, Two>(of_, rows_, sides_, matrix_.matrix);
         is_factorised_ = false;
     }

@@ -10,10 +10,10 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// What contacts are prepared in: fixed point by way of double, which has room for products of
-/// inverse masses.
+/// What contacts are prepared in: scalars that hold no inverse masses by way of double, which has room for their
+/// products; others as they are.
 template <class S, int W>
-using preparing = kernel_pack<std::conditional_t<is_fixed<S>, double, S>, W>;
+using preparing = kernel_pack<std::conditional_t<std::is_same_v<inverse_of<S>, S>, S, double>, W>;
 
 /// W contacts that are prepared together, some of which may be none. Contacts are rows of scalars, which lanes read
 /// faster than one by one.

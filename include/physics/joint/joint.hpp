@@ -19,7 +19,7 @@ struct joint_drive {
     /// Whether it matters where the coordinate is.
     [[nodiscard]] constexpr bool uses_value() const { return spring.is_on() || is_limit(min) || is_limit(max); }
     /// Whether any row is on.
-    [[nodiscard]] constexpr bool is_on() const { return uses_value() || max_motor > S(0); }
+    [[nodiscard]] constexpr bool is_on() const { return min == max || uses_value() || max_motor > S(0); }
     static constexpr bool is_limit(S x) { return x < scalar_traits<S>::max() && -x < scalar_traits<S>::max(); }
 
     /// `along` has the Jacobian of the coordinate, which is at `value`.
