@@ -95,6 +95,50 @@ TEST_CASE("derivatives: of what flies, falls, bounces, rolls and slides they are
                 }
 }
 
+template <class S, int D>
+struct hangs : physics::recipe<S, D, physics::shapes<physics::box>,
+                               physics::joints<physics::ball_joint, physics::revolute_joint>> {};
+/// Where the end of two boxes on joints is after a second, that begins with that speed.
+template <class S, int D>
+std::array<S, 2> swung(bool direct, S speed) {
+    using world = physics::world<hangs<S, D>>;
+    typename world::settings_type settings;
+    settings.gravity[1] = S(-10);
+    if (!direct) settings.solver.max_direct_cost = 0;
+    world w(settings);
+    const auto half = sideways<D>(S(0.5)), whole = half + half;
+    const auto add = [&](const auto& where) {
+        const physics::body_id body = w.create_body({.position = where, .can_sleep = false});
+        w.set_mass(body, physics::mass_of(typename world::box{physics::vec<S, D>::filled(S(0.25))}, S(2)));
+        return body;
+    };
+    const physics::body_id a = add(half), b = add(whole + half);
+    w.create_joint(w.create_body({.type = physics::body_type::static_body}), a,
+                   typename world::revolute_joint{.frame_b = {-half, {}}});
+    w.create_joint(a, b, typename world::ball_joint{half, -half});
+    physics::vec<S, D> v;
+    v[1] = speed;
+    w.set_linear_velocity(b, v);
+    for (int i = 0; i < 60; ++i) w.step(S(1.0 / 60));
+    return {w.position(b)[0], w.position(b)[1]};
+}
+template <int D>
+void swings_have_their_slopes(bool direct) {
+    const auto exact = swung<dual, D>(direct, {1, 1});
+    const auto same = swung<double, D>(direct, 1.0);
+    const auto more = swung<double, D>(direct, 1 + 1e-5), less = swung<double, D>(direct, 1 - 1e-5);
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+        CHECK(exact[i].value == same[i]);
+        if (!direct) CHECK(std::abs(exact[i].slope - (more[i] - less[i]) / 2e-5) < 1e-6);
+    }
+}
+TEST_CASE("derivatives: joints have the bits of doubles, and by iterations the slopes of differences") {
+    for (const bool direct : {false, true}) {
+        swings_have_their_slopes<2>(direct);
+        swings_have_their_slopes<3>(direct);
+    }
+}
+
 TEST_CASE("derivatives: dual numbers that change by nothing have the bits of doubles") {
     const scene of{true, true, 0.5, 0.2, 2, 128};
     const auto still = thrown<dual, 3>(of, dual(3.0));

@@ -135,7 +135,7 @@ private:
         // for long, in float too.
         bool again = false;
         for (int lane = 0; lane < W; ++lane) {
-            if (!(largest[lane] > rounding * rounding)) is_near[lane] = S(0);
+            if (!(largest[lane] > rounding() * rounding())) is_near[lane] = S(0);
             largest[lane] = 0;
             again = again || is_near[lane] > S(0);
         }
@@ -210,7 +210,7 @@ private:
                 largest[lane] = max(largest[lane], miss);
                 if (miss > 0.0025) is_near[lane] = S(0);
                 // Rows that all but say the same would make much of what is rounding.
-                const double speed = miss > rounding * rounding ? -misses * to_double(with.inverse_h) : 0;
+                const double speed = miss > rounding() * rounding() ? -misses * to_double(with.inverse_h) : 0;
                 matrix_.row[r].right_hand.set_lane(lane, static_cast<C>(speed));
             });
         }
@@ -220,7 +220,7 @@ private:
     }
 
     /// A part of what joints measure that is rounding.
-    static constexpr double rounding = 16 * to_double(scalar_traits<S>::epsilon());
+    static double rounding() { return 16 * to_double(scalar_traits<S>::epsilon()); }
 
     /// 1 in lanes with contacts.
     S is_touched_[W] = {};
