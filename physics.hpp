@@ -25289,6 +25289,139 @@ void store_impulses(step_joint<Joint, S, D>& to, S h, Given&& given, Sum&& sum) 
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/point_lanes.hpp
+// =================================================================================================
+// Rows of joints that hold points to each other, written in lanes.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Rotations in lanes: cosine and sine, or x, y, z, w.
+template <class P, int D>
+struct turned_lanes {
+    P at[D == 2 ? 2 : 4];
+
+    /// As rotation * vec.
+    PHYSICS_HPP_ALWAYS_INLINE lane_vec<P, D> operator*(const lane_vec<P, D>& v) const {
+        if constexpr (D == 2) {
+            return {lane_difference(at[0], v.x, at[1], v.y), lane_sum(at[1], v.x, at[0], v.y)};
+        } else {
+            const lane_vec3<P> q{at[0], at[1], at[2]}, half = cross(q, v), t = half + half;
+            return v + t * at[3] + cross(q, t);
+        }
+    }
+};
+
+/// W joints of which only the rows are on that hold a point of B to one of A: what joint_frames::hold says of them, in
+/// lanes. Those rows have the same directions, bounds and stiffness wherever bodies are: once written in a step, only
+/// their levers and errors change.
+template <class S, int D, bool Rotates, int W>
+class point_lanes {
+    using P = kernel_pack<S, W>;
+    using V = lane_vec<P, D>;
+    using side = pushed_lanes<S, D, Rotates, W>;
+    using pose = joint_pose<S, D, Rotates>;
+    static constexpr int R = D == 2 ? 2 : 4;
+
+public:
+    void put(int lane, const joint_frames<S, D>& start, const point_pair<S, D>& points) {
+        const vec<S, D> from_a = points.a - start.center_a, from_b = points.b - start.center_b;
+        start_a_[lane] = start.rotation_a;
+        start_b_[lane] = start.rotation_b;
+        for (int i = 0; i < D; ++i) {
+            a_[i][lane] = from_a[i];
+            b_[i][lane] = from_b[i];
+            between_[i][lane] = start.between[i];
+        }
+        force_[lane] = joint_row<S, D>::unlimited();
+    }
+    /// What of D rows is the same wherever bodies are.
+    void begin(row_lanes<S, D, Rotates, W, false>* rows, const joint_pass<S>& with) const {
+        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)),
+                is_one = select_greater(P::load(force_), zero, one, zero);
+        for (int i = 0; i < D; ++i) rows[i].begin_rigid(i, is_one, with);
+    }
+    /// Writes D rows where bodies are now, which still need to be finished. False, and nothing is written, if the
+    /// velocities of a body are drawn otherwise.
+    bool write(row_lanes<S, D, Rotates, W, false>* rows, const side& a, const side& b, const pose* poses) const {
+        S of_a[R][W], of_b[R][W], move[D][W];
+        for (int lane = 0; lane < W; ++lane) {
+            const pose &at_a = poses[a.index[lane]], &at_b = poses[b.index[lane]];
+            if (at_a.is_drawn || at_b.is_drawn) return false;
+            put_rotation(at_a.rotation_from(start_a_[lane]), lane, of_a);
+            put_rotation(at_b.rotation_from(start_b_[lane]), lane, of_b);
+            const vec<S, D> by = at_b.displacement.linear - at_a.displacement.linear;
+            for (int i = 0; i < D; ++i) move[i][lane] = by[i];
+        }
+        const V to_a = turned(of_a) * V::load(a_), to_b = turned(of_b) * V::load(b_),
+                apart = (V::load(between_) + V::load(move)) + (to_b - to_a);
+        const P force = P::load(force_);
+        put_row<0>(rows[0], to_a, to_b, apart.x, force);
+        put_row<1>(rows[1], to_a, to_b, apart.y, force);
+        if constexpr (D == 3) put_row<2>(rows[2], to_a, to_b, apart.z, force);
+        return true;
+    }
+
+private:
+    static void put_rotation(const physics::rotation<S, D>& r, int lane, S (&to)[R][W]) {
+        if constexpr (D == 2) {
+            to[0][lane] = r.cosine, to[1][lane] = r.sine;
+        } else {
+            to[0][lane] = r.x, to[1][lane] = r.y, to[2][lane] = r.z, to[3][lane] = r.w;
+        }
+    }
+    PHYSICS_HPP_ALWAYS_INLINE static turned_lanes<P, D> turned(const S (&from)[R][W]) {
+        turned_lanes<P, D> q;
+        for (int i = 0; i < R; ++i) q.at[i] = P::load(from[i]);
+        return q;
+    }
+    template <int I>
+    static void put_row(row_lanes<S, D, Rotates, W, false>& r, [[maybe_unused]] const V& to_a,
+                        [[maybe_unused]] const V& to_b, const P& error, const P& force) {
+        error.store(r.error);
+        force.store(r.high);
+        (-force).store(r.low);
+        if constexpr (Rotates && D == 2) {
+            (I == 0 ? to_a.y : -to_a.x).store(r.angular_a[0]);
+            (I == 0 ? -to_b.y : to_b.x).store(r.angular_b[0]);
+        } else if constexpr (Rotates) {
+            // The cross product with an axis; what is 0 there stays so.
+            constexpr int next = (I + 1) % 3, last = (I + 2) % 3;
+            const P along_a[] = {to_a.x, to_a.y, to_a.z}, along_b[] = {to_b.x, to_b.y, to_b.z};
+            (-along_a[last]).store(r.angular_a[next]);
+            along_a[next].store(r.angular_a[last]);
+            along_b[last].store(r.angular_b[next]);
+            (-along_b[next]).store(r.angular_b[last]);
+        }
+    }
+
+    /// From the bodies' centres to the points in their frames, from A's centre to B's as the step began, and what rows
+    /// may give; 0 in lanes without a joint.
+    S a_[D][W] = {}, b_[D][W] = {}, between_[D][W] = {}, force_[W] = {};
+    physics::rotation<S, D> start_a_[W] = {}, start_b_[W] = {};
+};
+
+struct no_points {};
+
+/// Which rows hold a point of B to one of A, of kinds that say so; 0: none.
+template <class Joint>
+constexpr std::uint32_t point_rows_of() {
+    if constexpr (requires { Joint::point_rows; }) return Joint::point_rows;
+    else return 0;
+}
+/// Whether these are all of a joint's rows that are on.
+template <class Joint>
+bool holds_points_only([[maybe_unused]] const Joint& joint) {
+    if constexpr (point_rows_of<Joint>() != 0) return joint.holds_points_only();
+    else return false;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/shared_bounds.hpp
 // =================================================================================================
 // Rows of joints that share a bound: forces and torques that are limited as vectors, the same in all directions.
@@ -25330,13 +25463,13 @@ PHYSICS_HPP_END
 // =================================================================================================
 // physics/dynamics/joint_access.hpp
 // =================================================================================================
-// What a direct solve asks of joints, and how it judges them.
+// What solvers ask of joints whatever their kinds are, and how they judge them.
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// What a direct solve asks of a joint, whatever its kind. `Two`: among others of kinds with two directions.
+/// What is asked of a joint, whatever its kind. `Two`: among others of kinds with two directions.
 template <class S, int D, bool Rotates, bool Two>
 struct joint_access {
     using pose = joint_pose<S, D, Rotates>;
@@ -25344,6 +25477,9 @@ struct joint_access {
 
     vec<S, D> (*write)(void* joint, bool is_ahead, const pose& a, const pose& b, target to);
     S (*first_impulse)(const void* joint, int row, S h);
+    /// From the bodies' centres to the points that a joint holds; of kinds with point_rows.
+    point_pair<S, D> (*find_points)(const void* joint, const pose& a, const pose& b);
+    std::uint32_t point_rows;
     void (*store_impulses)(void* joint, S h, const S* given, const S* sum);
     std::uint32_t shared_bounds;
 
@@ -25359,6 +25495,18 @@ struct joint_access {
                 [](const void* j, int row, S h) {
                     return detail::first_impulse(*static_cast<const step_joint*>(j), row, h);
                 },
+                []([[maybe_unused]] const void* j, [[maybe_unused]] const pose& a, [[maybe_unused]] const pose& b) {
+                    point_pair<S, D> r;
+                    if constexpr (point_rows_of<Joint>() != 0) {
+                        const auto& joint = *static_cast<const step_joint*>(j);
+                        const auto& start = joint.start;
+                        const auto points = joint.joint->points();
+                        r = {a.rotation_from(start.rotation_a) * (points.a - start.center_a),
+                             b.rotation_from(start.rotation_b) * (points.b - start.center_b)};
+                    }
+                    return r;
+                },
+                point_rows_of<Joint>(),
                 [](void* j, S h, const S* given, const S* sum) {
                     detail::store_impulses(
                         *static_cast<step_joint*>(j), h, [given](int k) { return given[k]; },
@@ -27198,139 +27346,6 @@ struct semi_implicit_euler {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/dynamics/point_lanes.hpp
-// =================================================================================================
-// Rows of joints that hold points to each other, written in lanes.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Rotations in lanes: cosine and sine, or x, y, z, w.
-template <class P, int D>
-struct turned_lanes {
-    P at[D == 2 ? 2 : 4];
-
-    /// As rotation * vec.
-    PHYSICS_HPP_ALWAYS_INLINE lane_vec<P, D> operator*(const lane_vec<P, D>& v) const {
-        if constexpr (D == 2) {
-            return {lane_difference(at[0], v.x, at[1], v.y), lane_sum(at[1], v.x, at[0], v.y)};
-        } else {
-            const lane_vec3<P> q{at[0], at[1], at[2]}, half = cross(q, v), t = half + half;
-            return v + t * at[3] + cross(q, t);
-        }
-    }
-};
-
-/// W joints of which only the rows are on that hold a point of B to one of A: what joint_frames::hold says of them, in
-/// lanes. Those rows have the same directions, bounds and stiffness wherever bodies are: once written in a step, only
-/// their levers and errors change.
-template <class S, int D, bool Rotates, int W>
-class point_lanes {
-    using P = kernel_pack<S, W>;
-    using V = lane_vec<P, D>;
-    using side = pushed_lanes<S, D, Rotates, W>;
-    using pose = joint_pose<S, D, Rotates>;
-    static constexpr int R = D == 2 ? 2 : 4;
-
-public:
-    void put(int lane, const joint_frames<S, D>& start, const point_pair<S, D>& points) {
-        const vec<S, D> from_a = points.a - start.center_a, from_b = points.b - start.center_b;
-        start_a_[lane] = start.rotation_a;
-        start_b_[lane] = start.rotation_b;
-        for (int i = 0; i < D; ++i) {
-            a_[i][lane] = from_a[i];
-            b_[i][lane] = from_b[i];
-            between_[i][lane] = start.between[i];
-        }
-        force_[lane] = joint_row<S, D>::unlimited();
-    }
-    /// What of D rows is the same wherever bodies are.
-    void begin(row_lanes<S, D, Rotates, W, false>* rows, const joint_pass<S>& with) const {
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1)),
-                is_one = select_greater(P::load(force_), zero, one, zero);
-        for (int i = 0; i < D; ++i) rows[i].begin_rigid(i, is_one, with);
-    }
-    /// Writes D rows where bodies are now, which still need to be finished. False, and nothing is written, if the
-    /// velocities of a body are drawn otherwise.
-    bool write(row_lanes<S, D, Rotates, W, false>* rows, const side& a, const side& b, const pose* poses) const {
-        S of_a[R][W], of_b[R][W], move[D][W];
-        for (int lane = 0; lane < W; ++lane) {
-            const pose &at_a = poses[a.index[lane]], &at_b = poses[b.index[lane]];
-            if (at_a.is_drawn || at_b.is_drawn) return false;
-            put_rotation(at_a.rotation_from(start_a_[lane]), lane, of_a);
-            put_rotation(at_b.rotation_from(start_b_[lane]), lane, of_b);
-            const vec<S, D> by = at_b.displacement.linear - at_a.displacement.linear;
-            for (int i = 0; i < D; ++i) move[i][lane] = by[i];
-        }
-        const V to_a = turned(of_a) * V::load(a_), to_b = turned(of_b) * V::load(b_),
-                apart = (V::load(between_) + V::load(move)) + (to_b - to_a);
-        const P force = P::load(force_);
-        put_row<0>(rows[0], to_a, to_b, apart.x, force);
-        put_row<1>(rows[1], to_a, to_b, apart.y, force);
-        if constexpr (D == 3) put_row<2>(rows[2], to_a, to_b, apart.z, force);
-        return true;
-    }
-
-private:
-    static void put_rotation(const physics::rotation<S, D>& r, int lane, S (&to)[R][W]) {
-        if constexpr (D == 2) {
-            to[0][lane] = r.cosine, to[1][lane] = r.sine;
-        } else {
-            to[0][lane] = r.x, to[1][lane] = r.y, to[2][lane] = r.z, to[3][lane] = r.w;
-        }
-    }
-    PHYSICS_HPP_ALWAYS_INLINE static turned_lanes<P, D> turned(const S (&from)[R][W]) {
-        turned_lanes<P, D> q;
-        for (int i = 0; i < R; ++i) q.at[i] = P::load(from[i]);
-        return q;
-    }
-    template <int I>
-    static void put_row(row_lanes<S, D, Rotates, W, false>& r, [[maybe_unused]] const V& to_a,
-                        [[maybe_unused]] const V& to_b, const P& error, const P& force) {
-        error.store(r.error);
-        force.store(r.high);
-        (-force).store(r.low);
-        if constexpr (Rotates && D == 2) {
-            (I == 0 ? to_a.y : -to_a.x).store(r.angular_a[0]);
-            (I == 0 ? -to_b.y : to_b.x).store(r.angular_b[0]);
-        } else if constexpr (Rotates) {
-            // The cross product with an axis; what is 0 there stays so.
-            constexpr int next = (I + 1) % 3, last = (I + 2) % 3;
-            const P along_a[] = {to_a.x, to_a.y, to_a.z}, along_b[] = {to_b.x, to_b.y, to_b.z};
-            (-along_a[last]).store(r.angular_a[next]);
-            along_a[next].store(r.angular_a[last]);
-            along_b[last].store(r.angular_b[next]);
-            (-along_b[next]).store(r.angular_b[last]);
-        }
-    }
-
-    /// From the bodies' centres to the points in their frames, from A's centre to B's as the step began, and what rows
-    /// may give; 0 in lanes without a joint.
-    S a_[D][W] = {}, b_[D][W] = {}, between_[D][W] = {}, force_[W] = {};
-    physics::rotation<S, D> start_a_[W] = {}, start_b_[W] = {};
-};
-
-struct no_points {};
-
-/// Which rows hold a point of B to one of A, of kinds that say so; 0: none.
-template <class Joint>
-constexpr std::uint32_t point_rows_of() {
-    if constexpr (requires { Joint::point_rows; }) return Joint::point_rows;
-    else return 0;
-}
-/// Whether these are all of a joint's rows that are on.
-template <class Joint>
-bool holds_points_only([[maybe_unused]] const Joint& joint) {
-    if constexpr (point_rows_of<Joint>() != 0) return joint.holds_points_only();
-    else return false;
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/dynamics/joint_block.hpp
 // =================================================================================================
 // Joints of a kind in lanes, solved one row after the other.
@@ -27524,6 +27539,90 @@ private:
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/joint_inertias.hpp
+// =================================================================================================
+// Inertias of bodies whose joints are visited one after the other.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The inverse inertia of what turns by that part of what it would.
+template <class S, class I>
+    requires std::same_as<I, inverse_of<S>>
+constexpr I steadied(const I& inverse_inertia, const S& share) { return mul<I>(inverse_inertia, share); }
+template <class S, class I>
+constexpr symmetric<I> steadied(const symmetric<I>& m, const S& share) {
+    return {mul<I>(m.xx, share), mul<I>(m.yy, share), mul<I>(m.zz, share),
+            mul<I>(m.xy, share), mul<I>(m.xz, share), mul<I>(m.yz, share)};
+}
+
+template <class I>
+constexpr I trace(const symmetric<I>& m) {
+    return m.xx + m.yy + m.zz;
+}
+
+/// Forces are those of one round in the last step: in the next one they may well be so many times as large.
+constexpr double rise_of_forces = 4;
+
+/// For the step, has bodies of joints that are not solved directly so much inertia that the forces and torques which
+/// they held in the last one cannot make a substep unstable by turning with them (geometric stiffness); see
+/// joint_system. What is prepared afterwards sees it, contacts too. Errors: the way of what turns by more than about
+/// half a radian a substep. Cost: one look at each of these joints. Source: Tournier et al., Stable constrained
+/// dynamics (2015).
+template <class S, int D, bool Two>
+PHYSICS_HPP_NOINLINE void raise_inertias(const graph_joint* joints, void* const* steps, const bool* is_direct,
+                                         std::uint32_t count, const joint_access<S, D, true, Two>* kinds,
+                                         solver_bodies<S, D, true> bodies, const joint_pose<S, D, true>* poses, S h,
+                                         arena& scratch) {
+    using access = joint_access<S, D, true, Two>;
+    std::uint32_t first = 0;
+    while (first < count && is_direct[first]) ++first;
+    if (first == count) return;
+    auto* const sway = scratch.template allocate<double>(bodies.count);
+    auto* const joints_of = scratch.template allocate<std::uint32_t>(bodies.count);
+    for (std::uint32_t k = 0; k < bodies.count; ++k) sway[k] = 0, joints_of[k] = 0;
+    for (std::uint32_t i = 0; i < count; ++i) ++joints_of[joints[i].ends.a], ++joints_of[joints[i].ends.b];
+    for (std::uint32_t i = first; i < count; ++i) {
+        if (is_direct[i]) continue;
+        const access& kind = kinds[joints[i].kind];
+        const body_pair& ends = joints[i].ends;
+        const bool is_point = kind.point_rows != 0 && joints[i].rows == kind.point_rows;
+        typename access::row_memory rows;
+        typename access::direction_memory directions;
+        const auto to = access::target_of(rows, directions);
+        point_pair<S, D> r;
+        if (is_point) r = kind.find_points(steps[i], poses[ends.a], poses[ends.b]);
+        else kind.write(steps[i], true, poses[ends.a], poses[ends.b], to);
+        double square_a = 0, square_b = 0, square_of_torque = 0;
+        for (std::uint32_t on = joints[i].rows; on != 0; on &= on - 1) {
+            const int k = std::countr_zero(on);
+            const double given = to_double(kind.first_impulse(steps[i], k, h)), square = given * given;
+            square_a += square * (is_point ? 1 : length_squared_of(to.direction_a(k)));
+            square_b += square * (is_point ? 1 : length_squared_of(to.direction(k)));
+            if (is_point) continue;
+            if (to.direction(k) == vec<S, D>{}) square_of_torque += square;
+            else r = {rows.at[k].r_a, rows.at[k].r_b};
+        }
+        const auto &a = bodies[ends.a], &b = bodies[ends.b];
+        const bool is_last_a = joints_of[ends.a] == 1, is_last_b = joints_of[ends.b] == 1;
+        const double rise = rise_of_forces * to_double(h);
+        sway[ends.a] += rise * sqrt(square_a) * sway_of(a, r.a, is_last_a, to_double(b.inverse_mass));
+        sway[ends.b] += rise * sqrt(square_b) * sway_of(b, r.b, is_last_b, to_double(a.inverse_mass));
+        // In 3D torques turn with bodies too.
+        if constexpr (D == 3)
+            for (const std::uint32_t end : {ends.a, ends.b})
+                sway[end] += rise * sqrt(square_of_torque) * to_double(trace(bodies[end].inverse_inertia));
+    }
+    for (std::uint32_t k = 0; k < bodies.count; ++k)
+        if (sway[k] > 1) bodies[k].inverse_inertia = steadied(bodies[k].inverse_inertia, S(1 / sway[k]));
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/joint_solver.hpp
 // =================================================================================================
 // Joints for solvers: what a solver calls around its work on contacts, and need not know any joint for.
@@ -27676,6 +27775,7 @@ public:
             if (used > 1 || W == 1) make(groups_[count_++]);
             else make(alone_[alone_count_++]);
         }
+        if constexpr (rotates) raise_inertias(all, steps, is_direct, count, kinds_, bodies, poses, h, scratch);
         at = 0;
         for (std::uint32_t k = 0; k < sizeof...(Joints); ++k) {
             auto* const left = scratch.template allocate<std::uint32_t>(count);
@@ -27730,7 +27830,8 @@ public:
 
     /// For substeps of h seconds; rigid joints are springs of that frequency (Hz) and damping ratio. A motion that has
     /// find_rotation(body, pose, velocity, h) is asked how bodies are turned. Joints are solved directly where that
-    /// takes up to max_direct_cost multiplications a row.
+    /// takes up to max_direct_cost multiplications a row. Of bodies of others inertias are raised for the step, see
+    /// raise_inertias: contacts are to be prepared after that.
     template <class Motion>
     joint_solver(const constraints_type& of, bodies_type bodies, const Motion& motion, S h, S frequency,
                  S damping_ratio, int max_direct_cost, arena& scratch, detail::task_runner& tasks)
@@ -30673,14 +30774,17 @@ struct soft_step_with {
         static void solve(const detail::colours_of_contacts& colours, bodies_type all, const Constraints& contacts,
                           const settings& with, S h, arena& scratch, Motion&& motion, detail::task_runner& tasks) {
             solver_api::solver_body<S, D, rotates>* const bodies = all.first;
+            const S h_sub = h / S(with.substeps);
+            S usual = h;
+            if constexpr (requires { motion.usual_step(); }) usual = motion.usual_step();
+            solver_api::joint_solver<Constraints, detail::native_width<S>> joints(
+                contacts, all, motion, h_sub, S(joint_frequency_ratio) / (usual / S(with.substeps)),
+                S(joint_damping_ratio), with.max_direct_cost, scratch, tasks);
             const detail::prepare_input<S, D, Features> prepare_with{
                 S(1) / S(with.substeps), with.restitution_threshold * h, accelerations(motion, all, scratch),
                 contacts.surfaces()};
             const contact_blocks blocks = pack(colours, contacts, all, prepare_with, scratch, tasks);
             block* const first = blocks.first;
-            const S h_sub = h / S(with.substeps);
-            S usual = h;
-            if constexpr (requires { motion.usual_step(); }) usual = motion.usual_step();
             const S frequency = with.contact_frequency_ratio / (usual / S(with.substeps));
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
             detail::substep_start<S, D, rotates> start(all, scratch);
@@ -30698,9 +30802,6 @@ struct soft_step_with {
             relaxed.use_bias = false;
             detail::contact_pass<S, D, rotates> released = biased;
             released.spring = {S(0), S(1), S(0)};
-            solver_api::joint_solver<Constraints, detail::native_width<S>> joints(
-                contacts, all, motion, h_sub, S(joint_frequency_ratio) / (usual / S(with.substeps)),
-                S(joint_damping_ratio), with.max_direct_cost, scratch, tasks);
             for (int i = 0; i < with.substeps; ++i) {
                 start.integrate_velocities(motion, h_sub);
                 if (i == 0) {
@@ -30748,8 +30849,9 @@ struct soft_step_with {
     private:
         static constexpr int width = Width;
         static constexpr std::uint32_t none = detail::null_index;
-        /// Of rigid joints: frequency as a part of the substeps' rate, and damping ratio.
-        static constexpr double joint_frequency_ratio = 0.25, joint_damping_ratio = 2;
+        /// Of rigid joints: frequency as a part of the substeps' rate, and damping ratio. With c = w h (2 zeta + w h)
+        /// what is far from being solved in a round grows from (w h)^2 = (1 + 2 c) / (1 + c) on: here from 0.218.
+        static constexpr double joint_frequency_ratio = 0.2, joint_damping_ratio = 2;
         using turning_block = detail::soft_contact<S, D, width, Features, Friction>;
         using block = std::conditional_t<rotates, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
         using kernels = Kernels<block>;

@@ -100,8 +100,8 @@ void it_falls_as_atwoods(int substeps, double ratio, bool swapped, bool rigid, b
     atwood<World> m(substeps, 3, 2, ratio, swapped, rigid, direct);
     const double speed = -gravity + m.tension() / 3;
     run(m.w, 16);
-    // By iterations it is a spring of a quarter of the substeps' rate, with the effective mass along the rope.
-    const double omega = 2 * pi * 16 * substeps, sag = gravity * (1 + ratio) / (omega * omega);
+    // By iterations it is a spring of a fifth of the substeps' rate, with the effective mass along the rope.
+    const double omega = 2 * pi * 0.2 * 64 * substeps, sag = gravity * (1 + ratio) / (omega * omega);
     const double t = 16.0 / 64, slack = direct ? 1e-3 : 0.02;
     CHECK(std::abs(number(m.w.linear_velocity(m.a)[1]) - speed * t) < slack);
     CHECK(std::abs(number(m.w.linear_velocity(m.b)[1]) + speed * t / ratio) < slack);
@@ -109,7 +109,9 @@ void it_falls_as_atwoods(int substeps, double ratio, bool swapped, bool rigid, b
     // It tells what it gives the second body, in the rope's direction.
     const vec force = m.w.reaction(m.rope).force;
     const double expected = swapped ? m.tension() : m.tension() * ratio;
-    CHECK(std::abs(number(force[1]) - expected) < slack * expected);
+    // A rope whose length is rounded up is slack for that in a substep.
+    const double rate = 64 * substeps, rounded = 3 * number(physics::scalar_traits<S>::epsilon()) * rate * rate;
+    CHECK(std::abs(number(force[1]) - expected) < (slack + std::min(rounded / (gravity * substeps), 0.003)) * expected);
 }
 CELL_CASE("joint pulleys: two loads fall as Atwood's do, by the ratio of a block and tackle") {
     for (const int substeps : {1, 2, 4, 16})
@@ -335,7 +337,9 @@ CELL_CASE("joint pulleys: a load that is drawn up to its wheel stays there, and 
             CHECK(longest < 0.06 / substeps);
             CHECK(fastest < 1e-3);
             CHECK(length_of(m.w.position(m.a) - at(-1)) < 1e-4);
-            CHECK(std::abs(length_of(m.w.position(m.b) - at(1)) - 6) < 1e-3);
+            // What is held at its wheel holds the other by a spring of a fifth of the substeps' rate.
+            const double omega = 2 * pi * 0.2 * 64 * substeps, sag = direct ? 0 : gravity / (omega * omega);
+            CHECK(std::abs(length_of(m.w.position(m.b) - at(1)) - 6) < 1.01 * sag + 1e-3);
         }
 }
 

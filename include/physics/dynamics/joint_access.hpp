@@ -1,14 +1,15 @@
-// What a direct solve asks of joints, and how it judges them.
+// What solvers ask of joints whatever their kinds are, and how they judge them.
 #pragma once
 
 #include "physics/dynamics/joint_pattern.hpp"
+#include "physics/dynamics/point_lanes.hpp"
 #include "physics/dynamics/shared_bounds.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// What a direct solve asks of a joint, whatever its kind. `Two`: among others of kinds with two directions.
+/// What is asked of a joint, whatever its kind. `Two`: among others of kinds with two directions.
 template <class S, int D, bool Rotates, bool Two>
 struct joint_access {
     using pose = joint_pose<S, D, Rotates>;
@@ -16,6 +17,9 @@ struct joint_access {
 
     vec<S, D> (*write)(void* joint, bool is_ahead, const pose& a, const pose& b, target to);
     S (*first_impulse)(const void* joint, int row, S h);
+    /// From the bodies' centres to the points that a joint holds; of kinds with point_rows.
+    point_pair<S, D> (*find_points)(const void* joint, const pose& a, const pose& b);
+    std::uint32_t point_rows;
     void (*store_impulses)(void* joint, S h, const S* given, const S* sum);
     std::uint32_t shared_bounds;
 
@@ -31,6 +35,18 @@ struct joint_access {
                 [](const void* j, int row, S h) {
                     return detail::first_impulse(*static_cast<const step_joint*>(j), row, h);
                 },
+                []([[maybe_unused]] const void* j, [[maybe_unused]] const pose& a, [[maybe_unused]] const pose& b) {
+                    point_pair<S, D> r;
+                    if constexpr (point_rows_of<Joint>() != 0) {
+                        const auto& joint = *static_cast<const step_joint*>(j);
+                        const auto& start = joint.start;
+                        const auto points = joint.joint->points();
+                        r = {a.rotation_from(start.rotation_a) * (points.a - start.center_a),
+                             b.rotation_from(start.rotation_b) * (points.b - start.center_b)};
+                    }
+                    return r;
+                },
+                point_rows_of<Joint>(),
                 [](void* j, S h, const S* given, const S* sum) {
                     detail::store_impulses(
                         *static_cast<step_joint*>(j), h, [given](int k) { return given[k]; },

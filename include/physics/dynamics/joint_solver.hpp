@@ -4,6 +4,7 @@
 #include "physics/dynamics/colours.hpp"
 #include "physics/dynamics/direct_joints.hpp"
 #include "physics/dynamics/joint_block.hpp"
+#include "physics/dynamics/joint_inertias.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -153,6 +154,7 @@ public:
             if (used > 1 || W == 1) make(groups_[count_++]);
             else make(alone_[alone_count_++]);
         }
+        if constexpr (rotates) raise_inertias(all, steps, is_direct, count, kinds_, bodies, poses, h, scratch);
         at = 0;
         for (std::uint32_t k = 0; k < sizeof...(Joints); ++k) {
             auto* const left = scratch.template allocate<std::uint32_t>(count);
@@ -207,7 +209,8 @@ public:
 
     /// For substeps of h seconds; rigid joints are springs of that frequency (Hz) and damping ratio. A motion that has
     /// find_rotation(body, pose, velocity, h) is asked how bodies are turned. Joints are solved directly where that
-    /// takes up to max_direct_cost multiplications a row.
+    /// takes up to max_direct_cost multiplications a row. Of bodies of others inertias are raised for the step, see
+    /// raise_inertias: contacts are to be prepared after that.
     template <class Motion>
     joint_solver(const constraints_type& of, bodies_type bodies, const Motion& motion, S h, S frequency,
                  S damping_ratio, int max_direct_cost, arena& scratch, detail::task_runner& tasks)
