@@ -340,6 +340,7 @@
 #include "physics/world/recipe.hpp"
 #include "physics/world/settings.hpp"
 #include "physics/world/snapshot.hpp"
+#include "physics/world/substeps.hpp"
 #include "physics/world/wake.hpp"
 #include "physics/world/world.hpp"
 #include "physics/world/world_code.hpp"
