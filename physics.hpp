@@ -27828,17 +27828,19 @@ public:
     using bodies_type = solver_bodies<S, D, Features::rotation>;
     static constexpr bool rotates = Features::rotation;
 
-    /// For substeps of h seconds; rigid joints are springs of that frequency (Hz) and damping ratio. A motion that has
+    /// For substeps of h seconds; rigid joints are springs of that frequency (Hz) and damping ratio, and those that
+    /// are solved directly take errors back as springs of the other frequency would. A motion that has
     /// find_rotation(body, pose, velocity, h) is asked how bodies are turned. Joints are solved directly where that
     /// takes up to max_direct_cost multiplications a row. Of bodies of others inertias are raised for the step, see
     /// raise_inertias: contacts are to be prepared after that.
     template <class Motion>
     joint_solver(const constraints_type& of, bodies_type bodies, const Motion& motion, S h, S frequency,
-                 S damping_ratio, int max_direct_cost, arena& scratch, detail::task_runner& tasks)
+                 S direct_frequency, S damping_ratio, int max_direct_cost, arena& scratch, detail::task_runner& tasks)
         : bodies_(bodies),
           poses_of_(bodies, motion),
           poses_(scratch.allocate<detail::joint_pose<S, D, rotates>>(bodies.count)),
-          pass_{h, S(1) / h, detail::softness<S>::of(frequency, damping_ratio, h)} {
+          pass_{h, S(1) / h, detail::softness<S>::of(frequency, damping_ratio, h)},
+          direct_pass_{h, S(1) / h, detail::softness<S>::of(direct_frequency, damping_ratio, h)} {
         find_poses(tasks);
         const std::uint32_t *which[sizeof...(Joints)] = {}, *on[sizeof...(Joints)] = {};
         std::uint32_t counts[sizeof...(Joints)] = {}, kind = 0;
@@ -27853,13 +27855,14 @@ public:
     }
     /// Gives bodies what the last substep gave.
     void warm_start(detail::task_runner& tasks) {
-        each(tasks, [this](auto& b) { b.warm_start(bodies_.first, poses_, pass_); });
+        each(tasks, [this](auto& b, const auto& pass) { b.warm_start(bodies_.first, poses_, pass); });
     }
     /// Says that bodies have moved. A solver that gives them in the next substep all that they have got in this one,
     /// v - start_velocity, hands these in, and does not warm-start again: what joints gave turns with them.
     void update_rows(detail::task_runner& tasks, twist_of<S, D, Features::rotation>* start_velocity) {
         find_poses(tasks);
-        each(tasks, [=, this](auto& b) { b.update_rows(bodies_.first, poses_, pass_, start_velocity); });
+        each(tasks,
+             [=, this](auto& b, const auto& pass) { b.update_rows(bodies_.first, poses_, pass, start_velocity); });
     }
     /// One pass over the joints; true if there are kinds of them. With bias, contacts that are visited after it answer
     /// to what takes errors back, and may throw what is joined: solvers better use one of the pairs below for it.
@@ -27880,7 +27883,7 @@ public:
     /// passes only.
     bool correct(detail::task_runner& tasks) { return solve(tasks, detail::joint_round::corrections); }
     void store_impulses(detail::task_runner& tasks) {
-        each(tasks, [this](auto& b) { b.store_impulses(poses_, pass_.h); });
+        each(tasks, [this](auto& b, const auto& pass) { b.store_impulses(poses_, pass.h); });
     }
 
 private:
@@ -27890,7 +27893,7 @@ private:
         return true;
     }
     void solve_direct(detail::task_runner& tasks, detail::joint_round round) {
-        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, pass_, round); });
+        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, direct_pass_, round); });
     }
     void solve_iterative(detail::task_runner& tasks, detail::joint_round round) {
         (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round); }), ...);
@@ -27902,8 +27905,8 @@ private:
     }
     template <class F>
     void each(detail::task_runner& tasks, F&& f) {
-        direct_.each(tasks, f);
-        (blocks<Joints<S, D>>::each(tasks, f), ...);
+        direct_.each(tasks, [&](auto& b) { f(b, direct_pass_); });
+        (blocks<Joints<S, D>>::each(tasks, [&](auto& b) { f(b, pass_); }), ...);
     }
 
     void find_poses(detail::task_runner& tasks) {
@@ -27919,7 +27922,7 @@ private:
     bodies_type bodies_;
     detail::joint_poses<S, D, rotates> poses_of_;
     detail::joint_pose<S, D, rotates>* poses_;
-    detail::joint_pass<S> pass_;
+    detail::joint_pass<S> pass_, direct_pass_;
     detail::direct_groups<constraints_type, Width> direct_;
 };
 /// The same where there are contacts only.
@@ -28454,8 +28457,8 @@ struct sequential_impulse {
                           Motion&& motion) {
             const S h_sub = h / S(with.substeps), share = S(1) / S(with.substeps);
             detail::task_runner serial;
-            solver_api::joint_solver<Constraints> joints(contacts, bodies, motion, h_sub, S(0.25) / h_sub, S(2),
-                                                         with.max_direct_cost, scratch, serial);
+            solver_api::joint_solver<Constraints> joints(contacts, bodies, motion, h_sub, S(0.25) / h_sub,
+                                                         S(0.25) / h_sub, S(2), with.max_direct_cost, scratch, serial);
             const surfaces of = contacts.surfaces();
             const bool* const has_joint = detail::bodies_of_joints(contacts, bodies, scratch);
             block* blocks = scratch.template allocate<block>(contacts.size());
@@ -30779,7 +30782,8 @@ struct soft_step_with {
             if constexpr (requires { motion.usual_step(); }) usual = motion.usual_step();
             solver_api::joint_solver<Constraints, detail::native_width<S>> joints(
                 contacts, all, motion, h_sub, S(joint_frequency_ratio) / (usual / S(with.substeps)),
-                S(joint_damping_ratio), with.max_direct_cost, scratch, tasks);
+                S(direct_frequency_ratio) / (usual / S(with.substeps)), S(joint_damping_ratio), with.max_direct_cost,
+                scratch, tasks);
             const detail::prepare_input<S, D, Features> prepare_with{
                 S(1) / S(with.substeps), with.restitution_threshold * h, accelerations(motion, all, scratch),
                 contacts.surfaces()};
@@ -30851,7 +30855,8 @@ struct soft_step_with {
         static constexpr std::uint32_t none = detail::null_index;
         /// Of rigid joints: frequency as a part of the substeps' rate, and damping ratio. With c = w h (2 zeta + w h)
         /// what is far from being solved in a round grows from (w h)^2 = (1 + 2 c) / (1 + c) on: here from 0.218.
-        static constexpr double joint_frequency_ratio = 0.2, joint_damping_ratio = 2;
+        /// That does not limit what is solved directly.
+        static constexpr double joint_frequency_ratio = 0.2, direct_frequency_ratio = 0.25, joint_damping_ratio = 2;
         using turning_block = detail::soft_contact<S, D, width, Features, Friction>;
         using block = std::conditional_t<rotates, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
         using kernels = Kernels<block>;

@@ -178,7 +178,7 @@ struct mechanism {
         const constraints c({none, scratch}, no_balls,
                             {rods.data(), numbers.data(), 0, ends.data(), static_cast<std::uint32_t>(rods.size())});
         const physics::solver_api::solver_bodies<S, D> seen{bodies.data(), static_cast<std::uint32_t>(bodies.size())};
-        physics::solver_api::joint_solver<constraints, Width> solver(c, seen, nullptr, S(1.0 / 256), S(64), S(2),
+        physics::solver_api::joint_solver<constraints, Width> solver(c, seen, nullptr, S(1.0 / 256), S(64), S(64), S(2),
                                                                      max_cost, scratch, alone);
         solver.warm_start(alone);
         solver.solve(alone, use_bias);

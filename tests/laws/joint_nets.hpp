@@ -130,7 +130,7 @@ CELL_CASE("joint nets: what cannot all be met comes to no harm") {
     SUBCASE("sequential_impulse") { nets_stay_bounded<split>({.apart = 0.1}, 100, 20); }
     SUBCASE("with limits") { nets_stay_bounded<plain>({.apart = 0.1, .has_limits = true}, 100, 20); }
 }
-/// Of nets that go round by round, each with up to so many substeps.
+/// Nets that are solved round by round, at 1, 2, 4... substeps: so many rates of these, each for two nets.
 template <class World>
 void rounds_stay_bounded(double apart, int rates, double bound) {
     for (int seed = 0; seed < 2 * rates; ++seed) {

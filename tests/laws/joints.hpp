@@ -237,8 +237,8 @@ std::vector<physics::solver_api::solver_body<S, D>> solved(std::uint64_t seed, i
     const physics::solver_api::solver_bodies<S, D> seen{b.data(), bodies + 2};
     const S h(1.0 / 256);
     std::vector<physics::twist<S, D>> starts(bodies + 2);
-    physics::solver_api::joint_solver<constraints, Width> solver(c, seen, nullptr, h, S(64), S(2), max_direct_cost,
-                                                                 scratch, alone);
+    physics::solver_api::joint_solver<constraints, Width> solver(c, seen, nullptr, h, S(64), S(64), S(2),
+                                                                 max_direct_cost, scratch, alone);
     for (int i = 0; i < 4; ++i) {
         if (i % 2 == 0) solver.warm_start(alone);
         solver.solve(alone, true);
@@ -304,7 +304,7 @@ CELL_CASE("joints: a pass without bias ends all speed along a rod, and nothing e
         physics::detail::task_runner alone;
         physics::buffer<physics::solver_api::contact<S, D, physics::without<>>> none;
         const constraints c({none, scratch}, {&j, &number_of, 0, &ends, 1});
-        physics::solver_api::joint_solver<constraints> solver(c, {b, 4}, nullptr, S(1.0 / 64), S(16), S(2),
+        physics::solver_api::joint_solver<constraints> solver(c, {b, 4}, nullptr, S(1.0 / 64), S(16), S(16), S(2),
                                                               n % 2 == 0 ? 0 : 256, scratch, alone);
         solver.warm_start(alone);
         solver.solve(alone, false);

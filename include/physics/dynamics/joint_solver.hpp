@@ -207,17 +207,19 @@ public:
     using bodies_type = solver_bodies<S, D, Features::rotation>;
     static constexpr bool rotates = Features::rotation;
 
-    /// For substeps of h seconds; rigid joints are springs of that frequency (Hz) and damping ratio. A motion that has
+    /// For substeps of h seconds; rigid joints are springs of that frequency (Hz) and damping ratio, and those that
+    /// are solved directly take errors back as springs of the other frequency would. A motion that has
     /// find_rotation(body, pose, velocity, h) is asked how bodies are turned. Joints are solved directly where that
     /// takes up to max_direct_cost multiplications a row. Of bodies of others inertias are raised for the step, see
     /// raise_inertias: contacts are to be prepared after that.
     template <class Motion>
     joint_solver(const constraints_type& of, bodies_type bodies, const Motion& motion, S h, S frequency,
-                 S damping_ratio, int max_direct_cost, arena& scratch, detail::task_runner& tasks)
+                 S direct_frequency, S damping_ratio, int max_direct_cost, arena& scratch, detail::task_runner& tasks)
         : bodies_(bodies),
           poses_of_(bodies, motion),
           poses_(scratch.allocate<detail::joint_pose<S, D, rotates>>(bodies.count)),
-          pass_{h, S(1) / h, detail::softness<S>::of(frequency, damping_ratio, h)} {
+          pass_{h, S(1) / h, detail::softness<S>::of(frequency, damping_ratio, h)},
+          direct_pass_{h, S(1) / h, detail::softness<S>::of(direct_frequency, damping_ratio, h)} {
         find_poses(tasks);
         const std::uint32_t *which[sizeof...(Joints)] = {}, *on[sizeof...(Joints)] = {};
         std::uint32_t counts[sizeof...(Joints)] = {}, kind = 0;
@@ -232,13 +234,14 @@ public:
     }
     /// Gives bodies what the last substep gave.
     void warm_start(detail::task_runner& tasks) {
-        each(tasks, [this](auto& b) { b.warm_start(bodies_.first, poses_, pass_); });
+        each(tasks, [this](auto& b, const auto& pass) { b.warm_start(bodies_.first, poses_, pass); });
     }
     /// Says that bodies have moved. A solver that gives them in the next substep all that they have got in this one,
     /// v - start_velocity, hands these in, and does not warm-start again: what joints gave turns with them.
     void update_rows(detail::task_runner& tasks, twist_of<S, D, Features::rotation>* start_velocity) {
         find_poses(tasks);
-        each(tasks, [=, this](auto& b) { b.update_rows(bodies_.first, poses_, pass_, start_velocity); });
+        each(tasks,
+             [=, this](auto& b, const auto& pass) { b.update_rows(bodies_.first, poses_, pass, start_velocity); });
     }
     /// One pass over the joints; true if there are kinds of them. With bias, contacts that are visited after it answer
     /// to what takes errors back, and may throw what is joined: solvers better use one of the pairs below for it.
@@ -259,7 +262,7 @@ public:
     /// passes only.
     bool correct(detail::task_runner& tasks) { return solve(tasks, detail::joint_round::corrections); }
     void store_impulses(detail::task_runner& tasks) {
-        each(tasks, [this](auto& b) { b.store_impulses(poses_, pass_.h); });
+        each(tasks, [this](auto& b, const auto& pass) { b.store_impulses(poses_, pass.h); });
     }
 
 private:
@@ -269,7 +272,7 @@ private:
         return true;
     }
     void solve_direct(detail::task_runner& tasks, detail::joint_round round) {
-        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, pass_, round); });
+        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, direct_pass_, round); });
     }
     void solve_iterative(detail::task_runner& tasks, detail::joint_round round) {
         (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round); }), ...);
@@ -281,8 +284,8 @@ private:
     }
     template <class F>
     void each(detail::task_runner& tasks, F&& f) {
-        direct_.each(tasks, f);
-        (blocks<Joints<S, D>>::each(tasks, f), ...);
+        direct_.each(tasks, [&](auto& b) { f(b, direct_pass_); });
+        (blocks<Joints<S, D>>::each(tasks, [&](auto& b) { f(b, pass_); }), ...);
     }
 
     void find_poses(detail::task_runner& tasks) {
@@ -298,7 +301,7 @@ private:
     bodies_type bodies_;
     detail::joint_poses<S, D, rotates> poses_of_;
     detail::joint_pose<S, D, rotates>* poses_;
-    detail::joint_pass<S> pass_;
+    detail::joint_pass<S> pass_, direct_pass_;
     detail::direct_groups<constraints_type, Width> direct_;
 };
 /// The same where there are contacts only.

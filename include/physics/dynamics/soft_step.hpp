@@ -112,7 +112,8 @@ struct soft_step_with {
             if constexpr (requires { motion.usual_step(); }) usual = motion.usual_step();
             solver_api::joint_solver<Constraints, detail::native_width<S>> joints(
                 contacts, all, motion, h_sub, S(joint_frequency_ratio) / (usual / S(with.substeps)),
-                S(joint_damping_ratio), with.max_direct_cost, scratch, tasks);
+                S(direct_frequency_ratio) / (usual / S(with.substeps)), S(joint_damping_ratio), with.max_direct_cost,
+                scratch, tasks);
             const detail::prepare_input<S, D, Features> prepare_with{
                 S(1) / S(with.substeps), with.restitution_threshold * h, accelerations(motion, all, scratch),
                 contacts.surfaces()};
@@ -184,7 +185,8 @@ struct soft_step_with {
         static constexpr std::uint32_t none = detail::null_index;
         /// Of rigid joints: frequency as a part of the substeps' rate, and damping ratio. With c = w h (2 zeta + w h)
         /// what is far from being solved in a round grows from (w h)^2 = (1 + 2 c) / (1 + c) on: here from 0.218.
-        static constexpr double joint_frequency_ratio = 0.2, joint_damping_ratio = 2;
+        /// That does not limit what is solved directly.
+        static constexpr double joint_frequency_ratio = 0.2, direct_frequency_ratio = 0.25, joint_damping_ratio = 2;
         using turning_block = detail::soft_contact<S, D, width, Features, Friction>;
         using block = std::conditional_t<rotates, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
         using kernels = Kernels<block>;
