@@ -34,6 +34,15 @@ struct cell {
     };
     static constexpr bool is_fixed = has_fraction_bits<scalar>;
 
+    /// Whether this is built under the address sanitizer, where everything takes ten times as long.
+#if defined(__SANITIZE_ADDRESS__)
+    static constexpr bool is_sanitized = true;
+#elif defined(__has_feature)
+    static constexpr bool is_sanitized = __has_feature(address_sanitizer);
+#else
+    static constexpr bool is_sanitized = false;
+#endif
+
     /// Of how many random cases a law makes n, where its kernel computes in double whatever the scalar is: all in the
     /// cells of double, a tenth in the others.
     static constexpr int draws(int n) { return std::is_same_v<scalar, double> ? n : n < 10 ? 1 : n / 10; }
