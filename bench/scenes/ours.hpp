@@ -33,6 +33,9 @@ Settings settings_for(const scene& s) {
     for (int k = 0; k < s.dimension; ++k)
         with.gravity[k] = std::remove_cvref_t<decltype(with.gravity.x)>(s.gravity[static_cast<std::size_t>(k)]);
     with.sleeping.enabled = s.sleeps;
+    if (s.substeps > 0) with.solver.substeps = s.substeps;
+    if constexpr (requires { with.solver.iterations; })
+        if (s.iterations > 0) with.solver.iterations = s.iterations;
     return with;
 }
 

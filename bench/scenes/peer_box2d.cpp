@@ -15,6 +15,7 @@ public:
     void begin(const scene& s) override {
         world_ = std::make_unique<b2World>(to_b2(s.gravity));
         world_->SetAllowSleeping(s.sleeps);
+        if (s.iterations > 0) rounds_ = s.iterations, position_rounds_ = (3 * s.iterations + 7) / 8;
         // Which sweeps a heap against what is driven once for each of its bodies: seconds a step.
         world_->SetContinuousPhysics(!s.drives());
     }
@@ -52,7 +53,7 @@ public:
         bodies_[static_cast<std::size_t>(body)]->SetLinearVelocity(to_b2(velocity));
         bodies_[static_cast<std::size_t>(body)]->SetAngularVelocity(static_cast<float>(spin[2]));
     }
-    void step(double dt) override { world_->Step(static_cast<float>(dt), 8, 3); }
+    void step(double dt) override { world_->Step(static_cast<float>(dt), rounds_, position_rounds_); }
     void read(std::vector<state>& states) const override {
         states.clear();
         for (const b2Body* b : bodies_) {
@@ -123,6 +124,7 @@ private:
         }
     }
 
+    int rounds_ = 8, position_rounds_ = 3;
     std::unique_ptr<b2World> world_;
     std::vector<b2Body*> bodies_;
 };

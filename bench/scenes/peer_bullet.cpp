@@ -25,6 +25,7 @@ public:
     void begin(const scene& s) override {
         world_ = std::make_unique<btDiscreteDynamicsWorld>(&dispatcher_, &broadphase_, &solver_, &configuration_);
         world_->setGravity(to_bt(s.gravity));
+        if (s.iterations > 0) world_->getSolverInfo().m_numIterations = s.iterations;
         sleeps_ = s.sleeps;
     }
     void add(const body& b) override {

@@ -28,6 +28,7 @@ public:
     void begin(const scene& s) override {
         space_ = cpSpaceNew();
         cpSpaceSetGravity(space_, cpv(s.gravity[0], s.gravity[1]));
+        if (s.iterations > 0) cpSpaceSetIterations(space_, s.iterations);
         // Its own default is that nothing sleeps.
         cpSpaceSetSleepTimeThreshold(space_, s.sleeps ? 0.5 : INFINITY);
     }

@@ -24,6 +24,9 @@ public:
         world_ = dWorldCreate();
         space_ = dSweepAndPruneSpaceCreate(nullptr, dSAP_AXES_XZY);
         joints_ = dJointGroupCreate(0);
+        // It shuffles its constraints.
+        dRandSetSeed(0);
+        if (s.iterations > 0) dWorldSetQuickStepNumIterations(world_, s.iterations);
         dWorldSetAutoDisableFlag(world_, s.sleeps);
         dWorldSetGravity(world_, s.gravity[0], s.gravity[1], s.gravity[2]);
     }
@@ -31,7 +34,7 @@ public:
         const shape& s = b.shapes.front();
         const dGeomID geom = s.kind == form::ball ? dCreateSphere(space_, s.radius)
                                                   : dCreateBox(space_, 2 * s.half[0], 2 * s.half[1], 2 * s.half[2]);
-        friction_ = s.friction;
+        friction_ = s.friction, restitution_ = s.restitution;
         dBodyID made = nullptr;
         if (b.kind == role::free) {
             made = dBodyCreate(world_);
@@ -107,8 +110,9 @@ private:
         contacts_ += count > 0;
         for (int k = 0; k < count; ++k) {
             dContact c = {};
-            c.surface.mode = dContactApprox1;
+            c.surface.mode = restitution_ > 0 ? dContactApprox1 | dContactBounce : dContactApprox1;
             c.surface.mu = friction_;
+            c.surface.bounce = restitution_;
             c.geom = found[k];
             dJointAttach(dJointCreateContact(world_, joints_, &c), first, second);
         }
@@ -119,7 +123,7 @@ private:
     dJointGroupID joints_ = nullptr;
     std::vector<dBodyID> bodies_;
     std::vector<dGeomID> geoms_;
-    double friction_ = 0.6;
+    double friction_ = 0.6, restitution_ = 0;
     int contacts_ = 0;
 };
 

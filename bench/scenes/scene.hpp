@@ -90,6 +90,8 @@ struct scene {
     triple gravity = {0, -10, 0};
     double dt = 1.0 / 60;
     int steps = 300;
+    /// How hard engines try; 0: as they ship. Who has no substeps takes no notice of them.
+    int substeps = 0, iterations = 0;
     /// Whether bodies may fall asleep.
     bool sleeps = false;
     std::vector<body> bodies;

@@ -1,0 +1,2 @@
+// The judge of bench/scenes.
+#include "../scenes/judge.cpp"

@@ -1,0 +1,2 @@
+// What the judge of bench/scenes sees.
+#include "../scenes/pieces.cpp"
