@@ -233,8 +233,8 @@ def draw(rows, by_scene, known):
         sys.exit(drawn.stderr)
 
 
-def page(by_scene, known, rows, rounds):
-    lines = [f"Written by `bash bench/run tradeoff --publish`: {len(rows)} runs of {len(by_scene)} scenes, "
+def page(by_scene, known, rows, command, rounds):
+    lines = [f"Written by `{command}`: {len(rows)} runs of {len(by_scene)} scenes, "
              f"{rounds} round{'s' if rounds > 1 else ''}, CPU time of one thread, minimum.", "",
              "## What a visible error costs", "",
              "The cheapest settings whose error is below what is just visible (5 mm or 1 %), in CPU milliseconds a "
@@ -288,7 +288,8 @@ def main():
     if not by_scene:
         sys.exit("no results")
     write_data(rows, by_scene, known)
-    text = page(by_scene, known, rows, told.rounds)
+    command = "bash bench/run tradeoff --publish" + " --quick" * told.quick
+    text = page(by_scene, known, rows, command, told.rounds)
     (ROOT / "bench/out/tradeoff.md").write_text("\n".join(text) + "\n")
     print("\n".join(text))
     if shutil.which("gnuplot") and told.publish:
