@@ -20,7 +20,8 @@ FLAGS = ["-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Wconversion", "-Ws
 OPTIONS = [[], ["-fno-exceptions", "-fno-rtti"], ["-DPHYSICS_HPP_NO_INT128"], ["-DPHYSICS_HPP_AUDIT"],
            ["-DPHYSICS_HPP_NONDETERMINISTIC", "-ffast-math"], ["-march=native"], ["-std=c++2b"]]
 # What the scripts of bench define where they compile a unit for each of several values.
-BENCH = ["-DSCALAR=float", "-DDIMENSION=2", "-DNAME=plain", "-DLEFT_OUT=physics::feature::sleeping"]
+BENCH = ["-DSCALAR=float", "-DDIMENSION=2", "-DNAME=plain", "-DLEFT_OUT=physics::feature::sleeping",
+         "-DSOLVER=soft_step", "-DHAS_JOINTS=1"]
 
 
 def compiles(job):
