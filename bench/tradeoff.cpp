@@ -2,8 +2,12 @@
 //
 //   tradeoff tasks [--quick]         lists all that can be played, a line each: SCENE ENGINE RATE SUBSTEPS ITERATIONS;
 //                                    RATE: steps a second; SUBSTEPS and ITERATIONS: 0 as the engine ships
-//   tradeoff play SCENE ENGINE RATE SUBSTEPS ITERATIONS
-//                                    plays one of them and prints a line of CSV
+//   tradeoff play SCENE ENGINE RATE SUBSTEPS ITERATIONS [FILM]
+//                                    plays one of them and prints a line of CSV; FILM: of the reference, for scenes of
+//                                    which no closed form is known
+//   tradeoff reference SCENE         plays it with 64 times the most work of a task and twice a double's digits, and
+//                                    prints that FILM; its first number is how far one of half that work is from it
+//   tradeoff references              lists the scenes that need one
 //   tradeoff scenes                  lists the scenes: name, dimension, what is visible, what is played, what is judged
 //
 // bench/tradeoff.py runs it. The error of a run is judged in double from poses and velocities alone. Its time is CPU
@@ -95,7 +99,47 @@ double calibration() {
     return clock.ns();
 }
 
-int play_task(const question& q, const contestant& who, const task& with) {
+/// Numbers of a film: for each body of each frame where it is.
+void print(const bench::film& seen) {
+    for (const auto& states : seen.frames)
+        for (const bench::state& b : states) std::printf("%.17g %.17g %.17g\n", b.at[0], b.at[1], b.at[2]);
+}
+/// What print() and the number before it have written; empty if there are not as many frames.
+bench::film read_film(const char* path, std::size_t frames, std::size_t bodies) {
+    bench::film right;
+    std::FILE* const file = std::fopen(path, "r");
+    double own = 0;
+    if (file == nullptr || std::fscanf(file, "%lf", &own) != 1) return right;
+    for (std::size_t i = 0; i < frames; ++i) {
+        auto& states = right.frames.emplace_back(bodies);
+        for (bench::state& b : states)
+            if (std::fscanf(file, "%lf %lf %lf", &b.at[0], &b.at[1], &b.at[2]) != 3) return {};
+    }
+    std::fclose(file);
+    return right;
+}
+int print_reference(const question& q) {
+    for (const contestant& who : bench::contestants()) {
+        if (who.name != "reference") continue;
+        const bench::film half = play(q, who, {3840, 32, 0}).seen, whole = play(q, who, {3840, 64, 0}).seen;
+        std::printf("%.3g\n", bench::distance_of(half, whole));
+        print(whole);
+        return 0;
+    }
+    std::fprintf(stderr, "without libqd-dev there is no reference\n");
+    return 1;
+}
+
+int play_task(const question& q, const contestant& who, const task& with, const char* film_path) {
+    bench::film right;
+    if (q.error == nullptr) {
+        if (film_path != nullptr)
+            right = read_film(film_path, static_cast<std::size_t>(q.played.steps) + 1, q.played.bodies.size());
+        if (right.frames.empty()) {
+            std::fprintf(stderr, "%s: there is no film of the reference\n", q.name.c_str());
+            return 1;
+        }
+    }
     const double simulated = q.played.steps * bench::film::interval;
     bench::samples seconds;
     played first;
@@ -119,7 +163,7 @@ int play_task(const question& q, const contestant& who, const task& with) {
         } while (spent < 2 && (seconds.size() < 3 || (spent < 0.2 && seconds.size() < 100)));
         if (spent >= 2 || calibration() < 1.05 * before) break;
     }
-    const double error = q.error(q.played, first.seen);
+    const double error = q.error != nullptr ? q.error(q.played, first.seen) : bench::distance_of(first.seen, right);
     const int sweeps = with.rate * (with.substeps > 0 ? with.substeps : 1);
     std::printf("%s,%s,%d,%d,%d,%d,%.9g,%d,%.6g,%.6g,%zu,%016" PRIx64 "\n", q.name.c_str(), who.name.c_str(), with.rate,
                 with.substeps, with.iterations, sweeps, error, error < q.broken, bench::minimum(seconds),
@@ -140,17 +184,28 @@ int main(int count, char** words) {
         const bool quick = count > 2 && std::strcmp(words[2], "--quick") == 0;
         for (const question& q : bench::questions())
             for (const contestant& who : bench::contestants())
-                if (who.joins(q.played))
+                if (who.joins(q.played) && !who.on_demand)
                     for (const task& t : tasks_of(who, quick))
                         std::printf("%s %s %d %d %d\n", q.name.c_str(), who.name.c_str(), t.rate, t.substeps,
                                     t.iterations);
         return 0;
     }
-    if (what == "play" && count == 7)
+    if (what == "references") {
+        for (const question& q : bench::questions())
+            if (q.error == nullptr) std::printf("%s\n", q.name.c_str());
+        return 0;
+    }
+    if (what == "reference" && count == 3)
+        for (const question& q : bench::questions())
+            if (q.name == words[2]) return print_reference(q);
+    if (what == "play" && (count == 7 || count == 8))
         for (const question& q : bench::questions())
             for (const contestant& who : bench::contestants())
                 if (q.name == words[2] && who.name == words[3] && who.joins(q.played))
-                    return play_task(q, who, {std::atoi(words[4]), std::atoi(words[5]), std::atoi(words[6])});
-    std::fprintf(stderr, "tradeoff tasks | scenes | play SCENE ENGINE RATE SUBSTEPS ITERATIONS\n");
+                    return play_task(q, who, {std::atoi(words[4]), std::atoi(words[5]), std::atoi(words[6])},
+                                     count == 8 ? words[7] : nullptr);
+    std::fprintf(stderr,
+                 "tradeoff tasks | scenes | references | reference SCENE | "
+                 "play SCENE ENGINE RATE SUBSTEPS ITERATIONS [FILM]\n");
     return 2;
 }

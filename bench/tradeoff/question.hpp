@@ -26,8 +26,13 @@ struct question {
     /// What is just visible, and from where on the scene has not been solved at all.
     double visible, broken;
     scene played;
+    /// Null where no closed form or invariant is known: then it is the largest distance of any body from where a
+    /// reference has it.
     double (*error)(const scene& s, const film& seen);
 };
+
+/// The largest distance between where bodies are in two films, at the same times.
+double distance_of(const film& a, const film& b);
 
 /// All of them, in the order of the page.
 const std::vector<question>& questions();

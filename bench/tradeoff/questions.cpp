@@ -235,6 +235,30 @@ double miss_of_pendulum(const scene&, const film& seen) {
     return most;
 }
 
+/// A rope of ten links that swings from level.
+scene rope(int d) {
+    scene s = lasting(d, 2);
+    shape link;
+    link.kind = form::capsule;
+    link.half = {0.2, 0, 0};
+    link.radius = 0.05;
+    int before = s.add(ground({0, 2, 0}, with(box({0.01, 0.01, 0.01}), 1, 0)));
+    for (int i = 0; i < 10; ++i) {
+        const int next = s.add(solid({0.25 + 0.5 * i, 0, 0}, with(link, 20, 0)));
+        s.pin(before, next, {0.5 * i, 0, 0});
+        before = next;
+    }
+    return s;
+}
+/// A box that is thrown with a spin onto a floor without friction, restitution 0.5.
+scene thrown_box(int d) {
+    scene s = lasting(d, 2);
+    add_floor(s, 0, 0.5);
+    body b = moving(solid({0, 2, 0}, with(box({0.5, 0.25, 0.35}), 1, 0, 0.5)), {3, 2, d == 3 ? 1.0 : 0.0});
+    b.spin = {d == 3 ? 1.0 : 0.0, d == 3 ? -2.0 : 0.0, 3};
+    s.add(b);
+    return s;
+}
 /// J1 without damping: a ball of 672 times (3D: of 2,000 times) the mass of a link.
 scene ball_and_chain(int d) {
     scene s = lasting(d, 20);
@@ -265,6 +289,16 @@ double gap_of_chain(const scene& s, const film& seen) {
 }
 
 }  // namespace
+
+double distance_of(const film& a, const film& b) {
+    double most = 0;
+    for (std::size_t i = 0; i < a.frames.size(); ++i)
+        for (std::size_t k = 0; k < a.frames[i].size(); ++k) {
+            const double apart = length(a.frames[i][k].at - b.frames[i][k].at);
+            if (!(apart <= most)) most = apart;
+        }
+    return most;
+}
 
 const std::vector<question>& questions() {
     struct row {
@@ -303,6 +337,10 @@ const std::vector<question>& questions() {
          1.9, pendulum, miss_of_pendulum, true, true},
         {"ball_and_chain", "a chain of 40 links swings a ball of hundreds of times their mass, 20 s",
          "largest gap of any joint (m)", 5e-3, 1, ball_and_chain, gap_of_chain, true, true},
+        {"rope", "a rope of ten links swings from level, 2 s", "largest distance of a link from the reference (m)",
+         5e-3, 1, rope, nullptr, true, true},
+        {"thrown_box", "a box is thrown with a spin onto a slippery floor, restitution 0.5, 2 s",
+         "largest distance from the reference (m)", 5e-3, 1, thrown_box, nullptr, true, true},
     };
     static const std::vector<question> all = [] {
         std::vector<question> made;
