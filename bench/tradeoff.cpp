@@ -2,25 +2,33 @@
 //
 //   tradeoff tasks [--quick]         lists all that can be played, a line each: SCENE ENGINE RATE SUBSTEPS ITERATIONS;
 //                                    RATE: steps a second; SUBSTEPS and ITERATIONS: 0 as the engine ships
-//   tradeoff play SCENE ENGINE RATE SUBSTEPS ITERATIONS [FILM]
-//                                    plays one of them and prints a line of CSV; FILM: of the reference, for scenes of
-//                                    which no closed form is known
-//   tradeoff reference SCENE         plays it with 64 times the most work of a task and twice a double's digits, and
-//                                    prints that FILM; its first number is how far one of half that work is from it
-//   tradeoff references              lists the scenes that need one
+//   tradeoff play SCENE ENGINE RATE SUBSTEPS ITERATIONS
+//                                    plays one of them and prints a line of CSV
+//   tradeoff references              lists the scenes of which no closed form is known
+//   tradeoff reference SCENE         plays one of them with 64 times the most work of a task and twice a double's digits,
+//                                    and prints where bodies are; first how far they are with half of that work from
+//                                    there. What it prints belongs in references/SCENE.film beside this program.
 //   tradeoff scenes                  lists the scenes: name, dimension, what is visible, what is played, what is judged
+//   tradeoff scene SCENE             one of them as JSON
+//   tradeoff judge SCENE ENGINE RATE SUBSTEPS ITERATIONS < FILM
+//                                    the line of CSV of what another program has played (bench/tradeoff/outside.hpp)
+//
+// Engines that run under node are listed in node/engines.txt beside this program, where bench/run puts the scripts of
+// bench/tradeoff/node; play leaves them to node/play.mjs, which asks for the scene and for the judge.
 //
 // bench/tradeoff.py runs it. The error of a run is judged in double from poses and velocities alone. Its time is CPU
 // time of this thread in steps alone, minimum and median of at least 3 runs and 0.2 s; a run of over 2 s is played
 // once. Each run has to end with the same state. A task is measured again where a loop that always does the same has
 // taken a twentieth more time after it than before it, twice at most.
+#include <unistd.h>
+
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
 #include "scenes/run.hpp"
-#include "tradeoff/question.hpp"
+#include "tradeoff/outside.hpp"
 
 namespace {
 
@@ -35,7 +43,8 @@ struct task {
 std::vector<task> tasks_of(const contestant& who, bool quick) {
     std::vector<task> all;
     const bool has_substeps = who.settings.rfind("substeps", 0) == 0;
-    const bool has_iterations = !has_substeps || who.settings == "substeps iterations";
+    const bool has_iterations =
+        has_substeps ? who.settings == "substeps iterations" : who.settings != bench::no_settings;
     for (const int rate : {30, 60, 120, 240, 480, 960, 1920}) {
         if (has_substeps && rate > 960) continue;
         for (const int substeps : {0, 1, 2, 4, 8, 16, 32, 64}) {
@@ -51,6 +60,17 @@ std::vector<task> tasks_of(const contestant& who, bool quick) {
         }
     }
     return all;
+}
+
+std::uint64_t hash_of(const std::vector<bench::state>& states) {
+    std::uint64_t hash = 1469598103934665603u;
+    for (const bench::state& b : states)
+        for (const double x : {b.at[0], b.at[1], b.at[2], b.velocity[0], b.velocity[1], b.velocity[2]}) {
+            std::uint64_t bits;
+            std::memcpy(&bits, &x, sizeof bits);
+            hash = (hash ^ bits) * 1099511628211u;
+        }
+    return hash;
 }
 
 struct played {
@@ -81,13 +101,7 @@ played play(const question& q, const contestant& who, const task& with) {
         result.seen.frames.push_back(states);
     }
     result.seconds /= simulated;
-    result.hash = 1469598103934665603u;
-    for (const bench::state& b : states)
-        for (const double x : {b.at[0], b.at[1], b.at[2], b.velocity[0], b.velocity[1], b.velocity[2]}) {
-            std::uint64_t bits;
-            std::memcpy(&bits, &x, sizeof bits);
-            result.hash = (result.hash ^ bits) * 1099511628211u;
-        }
+    result.hash = hash_of(states);
     return result;
 }
 
@@ -99,24 +113,28 @@ double calibration() {
     return clock.ns();
 }
 
-/// Numbers of a film: for each body of each frame where it is.
+/// Numbers of a reference's film: for each body of each frame where it is.
 void print(const bench::film& seen) {
     for (const auto& states : seen.frames)
         for (const bench::state& b : states) std::printf("%.17g %.17g %.17g\n", b.at[0], b.at[1], b.at[2]);
 }
+/// Where the films of references are.
+std::string references;
 /// What print() and the number before it have written; empty if there are not as many frames.
-bench::film read_film(const char* path, std::size_t frames, std::size_t bodies) {
+bench::film reference_of(const question& q) {
+    const std::string path = references + q.name + ".film";
+    std::FILE* const file = std::fopen(path.c_str(), "r");
+    if (file == nullptr) return {};
     bench::film right;
-    std::FILE* const file = std::fopen(path, "r");
     double own = 0;
-    if (file == nullptr || std::fscanf(file, "%lf", &own) != 1) return right;
-    for (std::size_t i = 0; i < frames; ++i) {
-        auto& states = right.frames.emplace_back(bodies);
+    bool good = std::fscanf(file, "%lf", &own) == 1;
+    for (int i = 0; i <= q.played.steps && good; ++i) {
+        auto& states = right.frames.emplace_back(q.played.bodies.size());
         for (bench::state& b : states)
-            if (std::fscanf(file, "%lf %lf %lf", &b.at[0], &b.at[1], &b.at[2]) != 3) return {};
+            good = good && std::fscanf(file, "%lf %lf %lf", &b.at[0], &b.at[1], &b.at[2]) == 3;
     }
     std::fclose(file);
-    return right;
+    return good ? right : bench::film{};
 }
 int print_reference(const question& q) {
     for (const contestant& who : bench::contestants()) {
@@ -130,16 +148,22 @@ int print_reference(const question& q) {
     return 1;
 }
 
-int play_task(const question& q, const contestant& who, const task& with, const char* film_path) {
-    bench::film right;
-    if (q.error == nullptr) {
-        if (film_path != nullptr)
-            right = read_film(film_path, static_cast<std::size_t>(q.played.steps) + 1, q.played.bodies.size());
-        if (right.frames.empty()) {
-            std::fprintf(stderr, "%s: there is no film of the reference\n", q.name.c_str());
-            return 1;
-        }
+int print_row(const question& q, const std::string& engine, const task& with, const bench::film& seen,
+              const bench::samples& seconds) {
+    const bench::film right = q.error == nullptr ? reference_of(q) : bench::film{};
+    if (q.error == nullptr && right.frames.empty()) {
+        std::fprintf(stderr, "%s: there is no reference\n", q.name.c_str());
+        return 1;
     }
+    const double error = q.error != nullptr ? q.error(q.played, seen) : bench::distance_of(seen, right);
+    const int sweeps = with.rate * (with.substeps > 0 ? with.substeps : 1);
+    std::printf("%s,%s,%d,%d,%d,%d,%.9g,%d,%.6g,%.6g,%zu,%016" PRIx64 "\n", q.name.c_str(), engine.c_str(), with.rate,
+                with.substeps, with.iterations, sweeps, error, error < q.broken, bench::minimum(seconds),
+                bench::median(seconds), seconds.size(), hash_of(seen.last()));
+    return 0;
+}
+
+int play_task(const question& q, const contestant& who, const task& with) {
     const double simulated = q.played.steps * bench::film::interval;
     bench::samples seconds;
     played first;
@@ -163,18 +187,38 @@ int play_task(const question& q, const contestant& who, const task& with, const 
         } while (spent < 2 && (seconds.size() < 3 || (spent < 0.2 && seconds.size() < 100)));
         if (spent >= 2 || calibration() < 1.05 * before) break;
     }
-    const double error = q.error != nullptr ? q.error(q.played, first.seen) : bench::distance_of(first.seen, right);
-    const int sweeps = with.rate * (with.substeps > 0 ? with.substeps : 1);
-    std::printf("%s,%s,%d,%d,%d,%d,%.9g,%d,%.6g,%.6g,%zu,%016" PRIx64 "\n", q.name.c_str(), who.name.c_str(), with.rate,
-                with.substeps, with.iterations, sweeps, error, error < q.broken, bench::minimum(seconds),
-                bench::median(seconds), seconds.size(), first.hash);
-    return 0;
+    return print_row(q, who.name, with, first.seen, seconds);
+}
+
+int judge_film(const question& q, const std::string& engine, const task& with) {
+    bench::outside_run it;
+    if (!bench::read(stdin, q.played, it)) {
+        std::fprintf(stderr, "%s, %s: no film, or of another scene\n", q.name.c_str(), engine.c_str());
+        return 1;
+    }
+    const std::string complaint = bench::judge(q.played).complaint(it.seen.frames.front(), it.gravity);
+    if (!complaint.empty()) {
+        std::fprintf(stderr, "%s, %s: it %s\n", q.name.c_str(), engine.c_str(), complaint.c_str());
+        return 1;
+    }
+    return print_row(q, engine, with, it.seen, it.seconds);
+}
+
+/// Becomes node; returns if there is none.
+int leave_to_node(const std::string& folder, char** words) {
+    const std::string script = folder + "play.mjs";
+    execlp("node", "node", "--single-threaded", "--no-liftoff", script.c_str(), words[2], words[3], words[4], words[5],
+           words[6], static_cast<char*>(nullptr));
+    std::perror("node");
+    return 1;
 }
 
 }  // namespace
 
 int main(int count, char** words) {
-    const std::string what = count > 1 ? words[1] : "";
+    const std::string what = count > 1 ? words[1] : "", self = words[0];
+    const std::string node = self.substr(0, self.rfind('/') + 1) + "node/";
+    const std::vector<contestant> under_node = bench::listed(node + "engines.txt");
     if (what == "scenes") {
         for (const question& q : bench::questions())
             std::printf("%s\t%d\t%g\t%s\t%s\n", q.name.c_str(), q.played.dimension, q.visible, q.about, q.metric);
@@ -182,8 +226,10 @@ int main(int count, char** words) {
     }
     if (what == "tasks") {
         const bool quick = count > 2 && std::strcmp(words[2], "--quick") == 0;
+        std::vector<contestant> all = bench::contestants();
+        all.insert(all.end(), under_node.begin(), under_node.end());
         for (const question& q : bench::questions())
-            for (const contestant& who : bench::contestants())
+            for (const contestant& who : all)
                 if (who.joins(q.played) && !who.on_demand)
                     for (const task& t : tasks_of(who, quick))
                         std::printf("%s %s %d %d %d\n", q.name.c_str(), who.name.c_str(), t.rate, t.substeps,
@@ -195,17 +241,24 @@ int main(int count, char** words) {
             if (q.error == nullptr) std::printf("%s\n", q.name.c_str());
         return 0;
     }
-    if (what == "reference" && count == 3)
-        for (const question& q : bench::questions())
-            if (q.name == words[2]) return print_reference(q);
-    if (what == "play" && (count == 7 || count == 8))
-        for (const question& q : bench::questions())
-            for (const contestant& who : bench::contestants())
-                if (q.name == words[2] && who.name == words[3] && who.joins(q.played))
-                    return play_task(q, who, {std::atoi(words[4]), std::atoi(words[5]), std::atoi(words[6])},
-                                     count == 8 ? words[7] : nullptr);
+    for (const question& q : bench::questions()) {
+        if (count < 3 || q.name != words[2]) continue;
+        if (what == "scene" && count == 3) {
+            bench::write_json(stdout, q.played);
+            return 0;
+        }
+        if (what == "reference" && count == 3) return print_reference(q);
+        if (count != 7) break;
+        const task with = {std::atoi(words[4]), std::atoi(words[5]), std::atoi(words[6])};
+        if (what == "judge") return judge_film(q, words[3], with);
+        if (what != "play") break;
+        for (const contestant& who : bench::contestants())
+            if (who.name == words[3] && who.joins(q.played)) return play_task(q, who, with);
+        for (const contestant& who : under_node)
+            if (who.name == words[3] && who.joins(q.played)) return leave_to_node(node, words);
+    }
     std::fprintf(stderr,
-                 "tradeoff tasks | scenes | references | reference SCENE | "
-                 "play SCENE ENGINE RATE SUBSTEPS ITERATIONS [FILM]\n");
+                 "tradeoff tasks | scenes | scene SCENE | references | reference SCENE | "
+                 "play|judge SCENE ENGINE RATE SUBSTEPS ITERATIONS\n");
     return 2;
 }

@@ -5,14 +5,15 @@
                             [--fresh] [--tasks] [--collect] [--publish]
 
 Plays each scene of bench/tradeoff/questions.cpp, whose right answer is known, with each engine that is installed, and
-draws the fronts: what error can be had for how much time. --quick: 60 Hz and 1 to 64 substeps for this library, 60 to
+draws the fronts: what error can be had for how much time. Engines that run under node are adapters in
+bench/tradeoff/node, whose packages npm installs. --quick: 60 Hz and 1 to 64 substeps for engines that have them, 60 to
 960 Hz for others, all as they ship otherwise. Tables go to bench/out/tradeoff.md and .csv; --publish also writes the
 page bench/tradeoff/README.md with its pictures.
 
-A task is a line of tasks.txt in build/bench/tradeoff.d/PROGRAM/, PROGRAM being a hash of the program; its result is a
-file in results/ROUND/. What has a result is not played again unless by --fresh: a run that was stopped goes on. GNU
-parallel plays them, in an order that mixes engines. Elsewhere, as an array of jobs: --tasks makes tasks.txt and says
-where; job N runs
+A task is a line of tasks.txt in build/bench/tradeoff.d/PROGRAM/, PROGRAM being a hash of the program and of the scripts
+that run under node; its result is a file in results/ROUND/. What has a result is not played again unless by --fresh: a
+run that was stopped goes on. GNU parallel plays them, in an order that mixes engines. Elsewhere, as an array of jobs:
+--tasks makes tasks.txt and says where; job N runs
 
     build/bench/tradeoff play $(sed -n Np tasks.txt) > results/1/N.csv
 
@@ -36,6 +37,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PROGRAM = ROOT / "build/bench/tradeoff"
+NODE = ROOT / "build/bench/node"  # scripts of bench/tradeoff/node and their packages
 OUT = ROOT / "bench/out/tradeoff"
 PAGE = ROOT / "bench/tradeoff"
 COLUMNS = ["scene", "engine", "rate", "substeps", "iterations", "sweeps", "error", "solved", "cpu_min", "cpu_median",
@@ -60,8 +62,11 @@ def scenes():
 
 
 def place():
-    digest = hashlib.sha256(PROGRAM.read_bytes()).hexdigest()[:12]
-    return ROOT / "build/bench/tradeoff.d" / digest
+    """Where results are of this program and these scripts."""
+    digest = hashlib.sha256(PROGRAM.read_bytes())
+    for script in sorted([*NODE.glob("*.mjs"), *NODE.glob("package.json")]):
+        digest.update(script.read_bytes())
+    return ROOT / "build/bench/tradeoff.d" / digest.hexdigest()[:12]
 
 
 def references():
