@@ -47,7 +47,10 @@ OURS = ("soft_step", "sequential_impulse")
 TIMEOUT = 120  # seconds a task; what takes longer is no bargain
 COLOURS = {"soft_step-float": "#0044aa", "soft_step-double": "#66aaee", "soft_step-fixed32": "#9955bb",
            "sequential_impulse-float": "#008855", "sequential_impulse-double": "#77cc99", "box2d-2.4": "#dd2222",
-           "chipmunk-7": "#ee8833", "bullet-3": "#bb7700", "ode-0.16": "#ee66aa"}
+           "chipmunk-7": "#ee8833", "bullet-3": "#bb7700", "ode-0.16": "#ee66aa", "box2d-3-wasm": "#880000",
+           "rapier2d-wasm": "#00bbbb", "rapier2d-simd-wasm": "#006666", "rapier3d-simd-wasm": "#006666",
+           "jolt-wasm": "#880000", "havok-wasm": "#222222", "physx-5-wasm": "#99bb00", "physx-5-tgs-wasm": "#556600",
+           "matter-js": "#ccaa00", "cannon-es": "#cc44ff"}
 Row = collections.namedtuple("Row", COLUMNS)
 
 
@@ -248,10 +251,11 @@ def write_data(rows, by_scene, known):
 
 
 def draw(rows, by_scene, known):
-    engines = engines_of(rows)
-    told = {"folder": OUT, "engines": " ".join(engines),
-            "colours": " ".join(COLOURS.get(name, "#444444") for name in engines)}
+    told = {"folder": OUT}
     for d in (2, 3):
+        engines = engines_of([row for row in rows if known[row.scene][0] == d])
+        told[f"engines{d}"] = " ".join(engines)
+        told[f"colours{d}"] = " ".join(COLOURS.get(name, "#444444") for name in engines)
         told[f"scenes{d}"] = " ".join(name for name in by_scene if known[name][0] == d)
     drawn = subprocess.run(["gnuplot", "-e", "; ".join(f"{name}='{what}'" for name, what in told.items()),
                             PAGE / "draw.gp"], cwd=ROOT, text=True, capture_output=True)

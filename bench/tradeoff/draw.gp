@@ -1,6 +1,6 @@
 # Draws bench/tradeoff/fronts.svg and fronts3.svg: error against CPU time of each scene, 2D and 3D; and substeps.svg:
-# error of the soft step by substeps. folder: that of bench/out/tradeoff/*.dat; engines, colours, scenes2, scenes3:
-# words.
+# error of the soft step by substeps. folder: that of bench/out/tradeoff/*.dat; engines2, colours2, scenes2, and the same
+# with 3: words.
 set terminal svg noenhanced size 1200,1250 font "sans,11" background "#ffffff"
 set datafile separator ","
 set border 3 lc rgb "#888888"
@@ -11,6 +11,8 @@ set format "%.0e"
 do for [space = 0:1] {
     set output "bench/tradeoff/fronts".(space ? "3" : "").".svg"
     names = space ? scenes3 : scenes2
+    engines = space ? engines3 : engines2
+    colours = space ? colours3 : colours2
     set multiplot layout 5, 3
     do for [i = 1:words(names)] {
         name = word(names, i)
@@ -27,7 +29,7 @@ do for [space = 0:1] {
                  lc rgb variable notitle
     }
     set title "engines"
-    set key inside left top Left reverse samplen 2 font ",10" maxrows 6
+    set key inside left top Left reverse samplen 2 font ",10" maxrows 8
     unset tics
     unset border
     unset grid
