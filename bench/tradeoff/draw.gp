@@ -29,7 +29,7 @@ do for [space = 0:1] {
                  lc rgb variable notitle
     }
     set title "engines"
-    set key inside left top Left reverse samplen 2 font ",10" maxrows 8
+    set key inside left top Left reverse samplen 1 width -2 font ",9" maxrows 8
     unset tics
     unset border
     unset grid
