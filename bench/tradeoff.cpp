@@ -5,7 +5,8 @@
 //   tradeoff play SCENE ENGINE RATE SUBSTEPS ITERATIONS
 //                                    plays one of them and prints a line of CSV
 //   tradeoff references              lists the scenes of which no closed form is known
-//   tradeoff reference SCENE         plays one of them with 64 times the most work of a task and twice a double's digits,
+//   tradeoff reference SCENE         plays one of them with 64 times the most work of a task and twice a double's
+//   digits,
 //                                    and prints where bodies are; first how far they are with half of that work from
 //                                    there. What it prints belongs in references/SCENE.film beside this program.
 //   tradeoff scenes                  lists the scenes: name, dimension, what is visible, what is played, what is judged
@@ -217,7 +218,8 @@ int leave_to_node(const std::string& folder, char** words) {
 
 int main(int count, char** words) {
     const std::string what = count > 1 ? words[1] : "", self = words[0];
-    const std::string node = self.substr(0, self.rfind('/') + 1) + "node/";
+    const std::string folder = self.substr(0, self.rfind('/') + 1), node = folder + "node/";
+    references = folder + "references/";
     const std::vector<contestant> under_node = bench::listed(node + "engines.txt");
     if (what == "scenes") {
         for (const question& q : bench::questions())

@@ -20,7 +20,7 @@ run that was stopped goes on. GNU parallel plays them, in an order that mixes en
 and --collect makes tables of what is there.
 
 Where no closed form or invariant is known, the right answer is what the library itself does with numbers of about 31
-digits and 64 times the work of the most exact task; such films are kept by a hash of what they are made from.
+digits and 64 times the work of the most exact task; such films are kept until what they are made from changes.
 """
 import argparse
 import collections
@@ -72,22 +72,20 @@ def place():
     return ROOT / "build/bench/tradeoff.d" / digest.hexdigest()[:12]
 
 
-def references():
-    """Where films of references are: they change with the library, the scenes and the reference alone."""
-    made_from = ["physics.hpp", "bench/scenes/ours.hpp", "bench/tradeoff/questions.cpp", "bench/tradeoff/reference.cpp"]
-    digest = hashlib.sha256(b"".join((ROOT / path).read_bytes() for path in made_from)).hexdigest()[:12]
-    return ROOT / "build/bench/tradeoff.d/references" / digest
-
-
 def make_references(wanted, jobs):
-    into = references()
-    into.mkdir(parents=True, exist_ok=True)
+    """Films of references, beside the program. They change with the library, the scenes and the reference alone."""
+    made_from = ["physics.hpp", "bench/scenes/ours.hpp", "bench/tradeoff/questions.cpp", "bench/tradeoff/reference.cpp"]
+    key = hashlib.sha256(b"".join((ROOT / path).read_bytes() for path in made_from)).hexdigest()
+    into = PROGRAM.parent / "references"
+    if not (into / "KEY").exists() or (into / "KEY").read_text() != key:
+        shutil.rmtree(into, ignore_errors=True)
+        into.mkdir(parents=True)
+        (into / "KEY").write_text(key)
     left = [name for name in asked("references") if name in wanted and not (into / f"{name}.film").exists()]
-    if not left:
-        return
-    print(f"references of {', '.join(left)}: some minutes", flush=True)
-    subprocess.run(["parallel", "--jobs", str(jobs), f"{PROGRAM} reference {{}} > {into}/{{}}.part && "
-                    f"mv {into}/{{}}.part {into}/{{}}.film"], input="\n".join(left) + "\n", text=True)
+    if left:
+        print(f"references of {', '.join(left)}: some minutes", flush=True)
+        subprocess.run(["parallel", "--jobs", str(jobs), f"{PROGRAM} reference {{}} > {into}/{{}}.part && "
+                        f"mv {into}/{{}}.part {into}/{{}}.film"], input="\n".join(left) + "\n", text=True)
 
 
 def results(folder):
@@ -116,7 +114,7 @@ def play(folder, tasks, rounds, jobs):
         name = f"{into}/{{1}},{{2}},{{3}},{{4}},{{5}}"
         bar = ["--bar"] if sys.stderr.isatty() else []
         subprocess.run(["parallel", *bar, "--jobs", str(jobs), "--timeout", str(TIMEOUT), "--colsep", " ",
-                        f"{PROGRAM} play {{1}} {{2}} {{3}} {{4}} {{5}} {references()}/{{1}}.film > {name}.part 2> {name}.said && "
+                        f"{PROGRAM} play {{1}} {{2}} {{3}} {{4}} {{5}} > {name}.part 2> {name}.said && "
                         f"mv {name}.part {name}.csv"],
                        input="\n".join(left) + "\n", text=True, stdout=subprocess.DEVNULL,
                        stderr=None if bar else subprocess.DEVNULL)
