@@ -23884,6 +23884,8 @@ struct step_joint {
     /// What its rows gave in a substep of that length (N s, s); 0 of joints that are new.
     [[no_unique_address]] detail::fixed_list<S, Joint::row_count> impulse{};
     S substep{};
+    /// Whether it was solved round by round, not with all of its island at once.
+    bool is_iterated = false;
     /// Which of the world's joints of its kind it is.
     std::uint32_t slot = 0;
     /// Of joints that count their turns.
@@ -27451,6 +27453,7 @@ public:
             });
             detail::store_impulses(
                 *joints_[lane], h, [&](int k) { return given[k]; }, [&](int k) { return sum[k]; });
+            joints_[lane]->is_iterated = true;
         }
     }
 
@@ -30745,6 +30748,8 @@ struct soft_step_with {
         static constexpr bool rotates = Features::rotation;
         using settings = soft_step_settings<S>;
         using bodies_type = solver_api::solver_bodies<S, D, rotates>;
+        /// Of rigid joints that are solved round by round: their frequency as a part of the substeps' rate.
+        static constexpr double joint_frequency_ratio = 0.2;
 
         /// Advances velocities and poses by h: `motion` offers integrate_velocities(h) and integrate_positions(h),
         /// which adds to their ways; where it takes the velocities with which the substep began as well (see
@@ -30856,7 +30861,7 @@ struct soft_step_with {
         /// Of rigid joints: frequency as a part of the substeps' rate, and damping ratio. With c = w h (2 zeta + w h)
         /// what is far from being solved in a round grows from (w h)^2 = (1 + 2 c) / (1 + c) on: here from 0.218.
         /// That does not limit what is solved directly.
-        static constexpr double joint_frequency_ratio = 0.2, direct_frequency_ratio = 0.25, joint_damping_ratio = 2;
+        static constexpr double direct_frequency_ratio = 0.25, joint_damping_ratio = 2;
         using turning_block = detail::soft_contact<S, D, width, Features, Friction>;
         using block = std::conditional_t<rotates, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
         using kernels = Kernels<block>;
@@ -31033,11 +31038,12 @@ struct stored_joint {
     S substep{};
     [[no_unique_address]] fixed_list<S, Joint::row_count> sum{};
     S step{};
+    bool is_iterated = false;
     /// Of joints that count their turns.
     [[no_unique_address]] angle_list<Joint, S> turned{};
     /// Its record.
     std::uint32_t number = 0;
-    PHYSICS_HPP_MEMBERS(joint, impulse, substep, sum, step, turned, number)
+    PHYSICS_HPP_MEMBERS(joint, impulse, substep, sum, step, is_iterated, turned, number)
 };
 /// A joint that broke, and what it gave in that step.
 template <class S, int D>
@@ -31196,6 +31202,7 @@ void publish_joints(step_joints<S, D, Joints>& found, S h, joint_set<S, D, Joint
             for (int k = 0; k < Joint::row_count; ++k) of_kind[j.slot].sum[k] = j.sum[k];
             of_kind[j.slot].substep = j.substep;
             of_kind[j.slot].step = h;
+            of_kind[j.slot].is_iterated = j.is_iterated;
             of_kind[j.slot].turned = j.turned;
         }
     });
@@ -36573,6 +36580,7 @@ public:
         add(j.substep);
         for (const S sum : j.sum) add(sum);
         add(j.step);
+        add(j.is_iterated);
         for (const auto& turned : j.turned) {
             add(turned.angle);
             add(std::uint64_t{static_cast<std::uint32_t>(turned.turns)});
@@ -38134,7 +38142,7 @@ PHYSICS_HPP_END
 // =================================================================================================
 // physics/world/substeps.hpp
 // =================================================================================================
-// How many substeps contacts need to give way by no more than a length.
+// How many substeps contacts and joints need to give way by no more than a length.
 
 PHYSICS_HPP_BEGIN
 
@@ -38177,12 +38185,78 @@ double largest_load(const state<Plan>& s) {
     return largest;
 }
 
+/// J_p M^-1 J_q of two rows of a joint, as far as one of its bodies goes.
+template <class S, int D, bool Rotates>
+double inverse_mass_between([[maybe_unused]] const body<S, D, Rotates>& b, const vec<S, D>& along_p,
+                            const vec<S, D>& along_q, [[maybe_unused]] const angular<S, D>& about_p,
+                            [[maybe_unused]] const angular<S, D>& about_q) {
+    if (!b.is_dynamic()) return 0;
+    double sum = to_double(b.inverse_mass) * dot(to_point(along_p), to_point(along_q));
+    if constexpr (Rotates) {
+        const auto inverse = converted<double>(in_world(b.inverse_inertia, b.rotation));
+        if constexpr (D == 2) sum += to_double(about_p) * inverse * to_double(about_q);
+        else sum += dot(to_point(about_p), times(inverse, to_point(about_q)));
+    }
+    return sum;
+}
+/// The same as largest_load of one joint: of the rows that hold points together, the length of J M^-1 J^T F.
+template <class Joint, class S, int D, bool Rotates>
+double load_of(const stored_joint<Joint, S>& j, const body<S, D, Rotates>& a, const body<S, D, Rotates>& b) {
+    constexpr bool two = has_two_directions<Joint>();
+    auto at = frames_between<Joint>(a, b);
+    const auto turned = count_turns(j.joint, at, j.turned);
+    at.turned = turned.begin();
+    row_list<S, D, Joint::row_count, two> rows;
+    rows_of(j.joint, at, rows.target());
+    const auto along_a = [&](int k) {
+        if constexpr (two) return rows.of_a[k];
+        else return rows.row[k].direction;
+    };
+    double squares = 0;
+    for (int i = 0; i < Joint::row_count; ++i) {
+        const auto& p = rows.row[i];
+        if (p.direction == vec<S, D>{} || !p.is_on() || p.is_spring() || p.is_motor) continue;
+        double sum = 0;
+        for (int k = 0; k < Joint::row_count; ++k) {
+            const auto& q = rows.row[k];
+            sum += to_double(j.sum[k]) * (inverse_mass_between(a, along_a(i), along_a(k), p.angular_a, q.angular_a) +
+                                          inverse_mass_between(b, p.direction, q.direction, p.angular_b, q.angular_b));
+        }
+        squares += sum * sum;
+    }
+    return sqrt(squares) / to_double(j.step);
+}
+/// The largest of joints that were solved round by round.
+template <class Plan>
+double largest_joint_load([[maybe_unused]] const state<Plan>& s) {
+    double largest = 0;
+    if constexpr (Plan::has_joints) {
+        using S = typename Plan::scalar;
+        s.joints.each_kind(s.joints, [&]<class Joint>(std::uint32_t, const pool<stored_joint<Joint, S>>& of_kind) {
+            if constexpr (Joint::row_count > 0)
+                of_kind.each([&](std::uint32_t, const stored_joint<Joint, S>& j) {
+                    const joint_record& record = s.joints.records[j.number];
+                    if (record.enabled && j.is_iterated && j.step > S(0))
+                        largest = max(largest, load_of(j, s.bodies[record.body_a], s.bodies[record.body_b]));
+                });
+        });
+    }
+    return largest;
+}
+
+template <class Plan>
+constexpr double joint_frequency_ratio(const state<Plan>&) {
+    return Plan::solver::joint_frequency_ratio;
+}
+
 }  // namespace detail
 
-/// The least number of substeps at which no contact of a world gives way to what pushed in the last step by more than
-/// tolerance (m), as contacts of the soft step do: by F / (m omega^2), omega being their part of the substeps' rate. Of
-/// what rests it is exact; what lands gives way further. At least 1; 0 if there is none, for a frequency_cap. Refuses
-/// tolerances that are not positive. O(contacts). Source: Catto, Soft constraints (GDC 2011).
+/// The least number of substeps at which no contact and no joint of a world gives way to what pushed or pulled in the
+/// last step by more than tolerance (m), as those of the soft step do: by F / (m omega^2), omega being their part of
+/// the substeps' rate. Joints that are solved directly (max_direct_cost) do not give way. Of what rests it is exact, as
+/// long as rounds can hold it (of joints: as at twice as many substeps); what lands or swings gives way further.
+/// Springs and motors are meant to. At least 1; 0 if there is none, for a frequency_cap. Refuses tolerances that are
+/// not positive. O(contacts + joints). Source: Catto, Soft constraints (GDC 2011).
 template <class Recipe>
     requires requires(const typename world<Recipe>::settings_type& with) { with.solver.contact_frequency_ratio; }
 [[nodiscard]] int substeps_for(const world<Recipe>& of, typename world<Recipe>::scalar tolerance) {
@@ -38190,10 +38264,13 @@ template <class Recipe>
     const auto& s = detail::world_access::data_of(of);
     return detail::scoped([&] {
         const auto& with = s.settings.solver;
-        const double hertz = sqrt(detail::largest_load(s) / detail::to_double(tolerance)) / 6.283185307179586,
-                     cap = detail::to_double(with.frequency_cap);
-        const double count =
-            hertz * detail::to_double(s.step_lengths.usual) / detail::to_double(with.contact_frequency_ratio);
+        const auto hertz_for = [&](double load) {
+            return sqrt(load / detail::to_double(tolerance)) / 6.283185307179586;
+        };
+        const double hertz = hertz_for(detail::largest_load(s)), cap = detail::to_double(with.frequency_cap),
+                     usual = detail::to_double(s.step_lengths.usual),
+                     of_joints = hertz_for(detail::largest_joint_load(s)) * usual / detail::joint_frequency_ratio(s),
+                     count = max(hertz * usual / detail::to_double(with.contact_frequency_ratio), of_joints);
         if ((cap > 0 && hertz > cap) || !(count < 1e9)) return 0;
         const int below = static_cast<int>(count);
         return below < 1 ? 1 : count - below > 1e-9 ? below + 1 : below;

@@ -265,5 +265,30 @@ CELL_CASE("direct joints: a body that two pins hold at the same place bears its 
     CHECK(std::abs(number(sum[1]) - gravity) < 0.02);
 }
 
+CELL_CASE("substeps: a world knows how far its joints give way that are not solved directly, and that others do not") {
+    for (const int substeps : {2, 4, 8})
+        for (const int cost : {0, 1024}) {
+            CAPTURE(substeps);
+            CAPTURE(cost);
+            world_type w = falling<world_type>(substeps);
+            auto settings = w.settings();
+            settings.solver.max_direct_cost = cost;
+            w.set_settings(settings);
+            // Two balls, one under the other.
+            const body_id a = add_anchor(w, at(0, 0)), b = add_ball(w, at(0, -1)), c = add_ball(w, at(0, -2));
+            w.create_joint(a, b, ball_joint{{}, at(0, 1)});
+            w.create_joint(b, c, ball_joint{at(0, -0.5), at(0, 0.5)});
+            for (const body_id id : {b, c}) w.set_can_sleep(id, false);
+            run(w, 1280);
+            const double upper = -1 - number(w.position(b)[1]),
+                         lower = -1 - number(w.position(c)[1] - w.position(b)[1]), gap = std::max(upper, lower),
+                         rounding = 64 * number(cell::traits::epsilon());
+            CAPTURE(gap);
+            CHECK(substeps_for(w, S(1.05 * gap + rounding)) <= substeps);
+            if (cost == 0) CHECK(substeps_for(w, S(0.95 * gap - rounding)) == substeps + 1);
+            else CHECK(gap < 64 * rounding);
+        }
+}
+
 }  // namespace direct_laws
 }  // namespace

@@ -105,6 +105,7 @@ public:
             });
             detail::store_impulses(
                 *joints_[lane], h, [&](int k) { return given[k]; }, [&](int k) { return sum[k]; });
+            joints_[lane]->is_iterated = true;
         }
     }
 

@@ -75,6 +75,8 @@ struct soft_step_with {
         static constexpr bool rotates = Features::rotation;
         using settings = soft_step_settings<S>;
         using bodies_type = solver_api::solver_bodies<S, D, rotates>;
+        /// Of rigid joints that are solved round by round: their frequency as a part of the substeps' rate.
+        static constexpr double joint_frequency_ratio = 0.2;
 
         /// Advances velocities and poses by h: `motion` offers integrate_velocities(h) and integrate_positions(h),
         /// which adds to their ways; where it takes the velocities with which the substep began as well (see
@@ -186,7 +188,7 @@ struct soft_step_with {
         /// Of rigid joints: frequency as a part of the substeps' rate, and damping ratio. With c = w h (2 zeta + w h)
         /// what is far from being solved in a round grows from (w h)^2 = (1 + 2 c) / (1 + c) on: here from 0.218.
         /// That does not limit what is solved directly.
-        static constexpr double joint_frequency_ratio = 0.2, direct_frequency_ratio = 0.25, joint_damping_ratio = 2;
+        static constexpr double direct_frequency_ratio = 0.25, joint_damping_ratio = 2;
         using turning_block = detail::soft_contact<S, D, width, Features, Friction>;
         using block = std::conditional_t<rotates, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
         using kernels = Kernels<block>;
