@@ -46,8 +46,8 @@ def file_of(folder, row, column, quick):
 
 def play(folder, tasks, quick, jobs):
     left = [(row, column) for row, column in tasks if not file_of(folder, row, column, quick).exists()]
-    # Those that take long come first.
-    left.sort(key=lambda task: (task[0].most, "fixed" not in task[1], "impulse" not in task[1], -task[0].dimension))
+    # What takes long comes last, so that a run that is stopped has most of the table.
+    left.sort(key=lambda task: ("fixed" in task[1], "impulse" in task[1], task[0].most < 64, task[0].dimension))
     print(f"{len(left)} of {len(tasks)} cells to play", flush=True)
 
     def one(task):

@@ -177,12 +177,21 @@ double loss_of_bounce(double, const work& with) {
         return std::fmax(0, 1 - top / 5);
     });
 }
-/// X8: ten cubes without friction that fall and bounce off each other without loss, for so many seconds: by how much
+/// X8: ten cubes without friction that bounce between walls without loss, for so many seconds: by how much
 /// their energy is ever above that of the start, and below it at the end, as a share.
 template <class World, class F>
 double watch_elastic(const work& with, F&& figure) {
     stage<World> s(with);
     s.floor(0, 1);
+    for (int side = 0; side < (World::dimension == 2 ? 2 : 4); ++side) {
+        solid wall;
+        wall.type = body_type::static_body;
+        wall.friction = 0, wall.restitution = 1;
+        wall.at = {0, 10, 0}, wall.half = {10, 10, 10};
+        wall.at[side < 2 ? 0 : 2] = side % 2 ? 15 : -15;
+        s.box(wall);
+    }
+    const std::size_t first = s.bodies.size();
     for (int row = 0; row < 4; ++row)
         for (int i = 0; i < 4 - row; ++i) {
             solid b;
@@ -190,9 +199,9 @@ double watch_elastic(const work& with, F&& figure) {
             b.friction = 0, b.restitution = 1;
             s.box(b);
         }
-    const auto energy = [&s] {
+    const auto energy = [&s, first] {
         double sum = 0;
-        for (std::size_t i = 1; i < s.bodies.size(); ++i) sum += s.energy(s.bodies[i], {0.5, 0.5, 0.5});
+        for (std::size_t i = first; i < s.bodies.size(); ++i) sum += s.energy(s.bodies[i], {0.5, 0.5, 0.5});
         return sum;
     };
     return figure(s, energy);
