@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """The stability table: extremes of mass, size, speed, distance and time, by solver and scalar
 
-    bash bench/run extremes [--quick] [--rows A,B] [--columns A,B] [--jobs N] [--fresh] [--publish]
+    bash bench/run extremes [--quick] [--rows A,B] [--columns A,B] [--jobs N] [--fresh] [--collect] [--publish]
 
 Plays each row of tests/extremes/rows.hpp in 2D and 3D with both solvers and three scalars, at 1 to 64 substeps of
 1/60 s, and prints what becomes of it: pass, degrade or FAIL with what was measured, and the fewest substeps that pass.
 --quick: at the default of 4 substeps alone; --rows, --columns: those whose names begin with any of these. Tables go to
 bench/out/extremes.md and .csv; --publish also writes the page bench/extremes/README.md. What this program has played
-before is not played again unless by --fresh: a run that was stopped goes on.
+before is not played again unless by --fresh: a run that was stopped goes on. --collect makes tables of what is there.
 """
 import argparse
 import collections
@@ -115,6 +115,8 @@ def least(by_substeps):
 
 
 def price(row, by_substeps):
+    if not by_substeps:
+        return "?"
     first, lost = least(by_substeps)
     if first is None:
         return "-"
@@ -153,17 +155,18 @@ def price_table(rows, columns, results):
 
 
 def tally(rows, columns, results):
-    lines = ["| | pass at 4 | degrade at 4 | FAIL at 4 | pass with more or fewer | never pass |", "|---|---|---|---|---|---|"]
+    lines = ["| | pass at 4 | degrade at 4 | FAIL at 4 | of both, pass with others | never pass | not played |",
+             "|---|---|---|---|---|---|---|"]
     for column in columns:
         counts = collections.Counter()
         for row in rows:
             by = results[row.name, row.dimension, column]
             verdict = by[DEFAULT].verdict if DEFAULT in by else "not played"
             counts[verdict] += 1
-            if verdict != "pass":
+            if verdict in ("degrade", "FAIL"):
                 counts["other" if least(by)[0] else "never"] += 1
         lines.append(f"| {column.replace('-', ', ')} | {counts['pass']} | {counts['degrade']} | {counts['FAIL']} | "
-                     f"{counts['other']} | {counts['never']} |")
+                     f"{counts['other']} | {counts['never']} | {counts['not played']} |")
     return lines
 
 
@@ -172,13 +175,14 @@ def open_targets(rows, columns, results):
     lines = []
     for row in rows:
         met = []
-        for column in columns:
+        played = [column for column in columns if results[row.name, row.dimension, column]]
+        for column in played:
             first, _ = least(results[row.name, row.dimension, column])
             if first is not None and first <= row.budget:
                 met.append(column)
-        if len(met) == len(columns):
+        if len(met) == len(played):
             continue
-        missed = [column for column in columns if column not in met]
+        missed = [column for column in played if column not in met]
         best = min((it for column in missed for it in results[row.name, row.dimension, column].values()
                     if it.figure >= 0 and not it.refusal), key=lambda it: it.figure, default=None)
         whom = "all" if not met else ", ".join(column.replace("-", " in ") for column in missed)
@@ -213,16 +217,19 @@ def described(rows):
 
 
 def page(rows, columns, results, command):
-    text = [f"Written by `{command}`: {sum(len(by) for by in results.values())} runs.", "",
+    missing = sum(not by for by in results.values())
+    text = [f"Written by `{command}`: {sum(len(by) for by in results.values())} runs." +
+            f" It was stopped before {missing} of {len(results)} cells." * (missing > 0), "",
             "## How many cells", "", *tally(rows, columns, results)]
     for dimension in (2, 3):
         of = [row for row in rows if row.dimension == dimension]
         if of:
-            text += ["", f"## At the defaults, {dimension}D", "", "4 substeps at 60 Hz: what the scene is worth, and what "
-                     "was measured.", "", *default_table(of, columns, results)]
+            text += ["", f"## At the defaults, {dimension}D", "",
+                     "4 substeps at 60 Hz: what the scene is worth, and what was measured.", "",
+                     *default_table(of, columns, results)]
     text += ["", "## The least work that passes", "",
-             "Substeps at 60 Hz, of float / double / fixed32 where those differ. In brackets: more than the target allows "
-             "(within). -: none that was tried. !: passes with those, and not with some that are more.", "",
+             "Substeps at 60 Hz, of float / double / fixed32 where those differ. In brackets: more than the target "
+             "allows. -: none that was tried. !: passes with those, and not with some that are more. ?: not played.", "",
              *price_table(rows, columns, results), "",
              "## Targets that are not met", "", *open_targets(rows, columns, results)]
     refused = refusals(rows, columns, results)
@@ -238,6 +245,7 @@ def main():
     parser.add_argument("--columns", default="")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--fresh", action="store_true")
+    parser.add_argument("--collect", action="store_true")
     parser.add_argument("--publish", action="store_true")
     told = parser.parse_args()
     wanted = {"rows": told.rows.split(","), "columns": told.columns.split(",")}
@@ -258,7 +266,8 @@ def main():
         shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True, exist_ok=True)
     tasks = [(row, column) for row in rows for column in columns]
-    play(folder, tasks, told.quick, told.jobs)
+    if not told.collect:
+        play(folder, tasks, told.quick, told.jobs)
     results = results_of(folder, tasks, told.quick)
     with (ROOT / "bench/out/extremes.csv").open("w", newline="") as file:
         out = csv.writer(file)

@@ -11,7 +11,7 @@ template <class World>
 const std::vector<row<World>>& rows() {
     using r = row<World>;
     static const char* const seen = "5 mm are just visible; by more than a quarter a stack looks wrong";
-    static const char* const crushed = "target of section C; an overlap of a tenth is seen, but nothing falls";
+    static const char* const crushed = "target; an overlap of a tenth is seen, but nothing falls";
     static const char* const gained = "target; above 1 % of gain a scene is not conservative";
     static const std::vector<r> all = {
         {"M1 100:1", "a cube on one of a hundredth of its mass, 10 s", "displacement (of its size)", 5e-3, 0.1, crushed,
