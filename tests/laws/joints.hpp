@@ -225,7 +225,7 @@ std::vector<physics::solver_api::solver_body<S, D>> solved(std::uint64_t seed, i
         if (i % 3 == 1) kinds[i].frequency = S(3), kinds[i].min_length = S(0.25);
         if (i % 3 == 2) kinds[i].min_length = S(0);
         all.push_back(
-            {&kinds[i], {{}, {}, {}, {}, dice.vec<vec>(-2, 2)}, {S(0.5), S(0.25), S(0.125)}, S(1.0 / 128), i});
+            {&kinds[i], {{}, {}, {}, {}, dice.vec<vec>(-2, 2)}, {S(0.5), S(0.25), S(0.125)}, S(1.0 / 128), false, i});
         const auto a = static_cast<std::uint32_t>(dice.below(bodies));
         ends.push_back({a, (a + 1 + static_cast<std::uint32_t>(dice.below(bodies - 1))) % bodies});
         numbers.push_back(i);
