@@ -47,7 +47,7 @@ def recipe_of(game):
     """The tailored recipe as the source has it, on one line."""
     text = (ROOT / f"bench/recipes/{game}.cpp").read_text()
     text = " ".join(text[text.index("struct tailored"):].split("{}")[0].split())
-    return text.removeprefix("struct tailored :").replace("physics::", "").strip()
+    return text.removeprefix("struct tailored :").replace("physics::", "").replace("<S,", "<fixed32,").strip()
 
 
 def about(game):
@@ -58,7 +58,7 @@ def page(rows, command, rounds):
     lines = ["# Only what a scene requires", "",
              "Typical games, each with a recipe that names every shape and joint and leaves no feature out, and with one "
              "made for it. A recipe costs what it names: code, compile time and memory come from shapes, joints and "
-             "features; time comes from features that work (rotation, sleeping, sweeps), hardly from those that wait.", "",
+             "features; time comes most from features that work (rotation, sleeping, sweeps), less from those that wait.", "",
              f"Written by `{command}`: {rounds} rounds by turns, CPU time of one thread, minimum and median over rounds. "
              "A frame is a step of 1/60 s. Bytes: what a copy of the world holds. Code: of the whole unit.", "",
              "| game | recipe | bodies | ms a frame | median | kB held | code | compile |", "|---|---|---|---|---|---|---|---|"]
