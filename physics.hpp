@@ -30748,7 +30748,9 @@ struct soft_step_with {
         static constexpr bool rotates = Features::rotation;
         using settings = soft_step_settings<S>;
         using bodies_type = solver_api::solver_bodies<S, D, rotates>;
-        /// Of rigid joints that are solved round by round: their frequency as a part of the substeps' rate.
+        /// Of rigid joints that are solved round by round: their frequency as a part of the substeps' rate. With
+        /// c = w h (2 zeta + w h) what is far from being solved in a round grows from (w h)^2 = (1 + 2 c) / (1 + c) on:
+        /// here from 0.218.
         static constexpr double joint_frequency_ratio = 0.2;
 
         /// Advances velocities and poses by h: `motion` offers integrate_velocities(h) and integrate_positions(h),
@@ -30858,9 +30860,7 @@ struct soft_step_with {
     private:
         static constexpr int width = Width;
         static constexpr std::uint32_t none = detail::null_index;
-        /// Of rigid joints: frequency as a part of the substeps' rate, and damping ratio. With c = w h (2 zeta + w h)
-        /// what is far from being solved in a round grows from (w h)^2 = (1 + 2 c) / (1 + c) on: here from 0.218.
-        /// That does not limit what is solved directly.
+        /// The same of those that are solved directly, which no round limits; and the damping ratio of both.
         static constexpr double direct_frequency_ratio = 0.25, joint_damping_ratio = 2;
         using turning_block = detail::soft_contact<S, D, width, Features, Friction>;
         using block = std::conditional_t<rotates, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
@@ -38216,6 +38216,8 @@ double load_of(const stored_joint<Joint, S>& j, const body<S, D, Rotates>& a, co
     for (int i = 0; i < Joint::row_count; ++i) {
         const auto& p = rows.row[i];
         if (p.direction == vec<S, D>{} || !p.is_on() || p.is_spring() || p.is_motor) continue;
+        // Limits that nothing has reached.
+        if (p.is_bounded() && j.sum[i] == S(0)) continue;
         double sum = 0;
         for (int k = 0; k < Joint::row_count; ++k) {
             const auto& q = rows.row[k];
@@ -38244,19 +38246,21 @@ double largest_joint_load([[maybe_unused]] const state<Plan>& s) {
     return largest;
 }
 
+/// Of joints, as a part of the substeps' rate; 1 where there are none.
 template <class Plan>
 constexpr double joint_frequency_ratio(const state<Plan>&) {
-    return Plan::solver::joint_frequency_ratio;
+    if constexpr (Plan::has_joints) return Plan::solver::joint_frequency_ratio;
+    else return 1;
 }
 
 }  // namespace detail
 
 /// The least number of substeps at which no contact and no joint of a world gives way to what pushed or pulled in the
 /// last step by more than tolerance (m), as those of the soft step do: by F / (m omega^2), omega being their part of
-/// the substeps' rate. Joints that are solved directly (max_direct_cost) do not give way. Of what rests it is exact, as
-/// long as rounds can hold it (of joints: as at twice as many substeps); what lands or swings gives way further.
-/// Springs and motors are meant to. At least 1; 0 if there is none, for a frequency_cap. Refuses tolerances that are
-/// not positive. O(contacts + joints). Source: Catto, Soft constraints (GDC 2011).
+/// the substeps' rate. Joints that are solved directly (max_direct_cost) do not give way. Of what rests it is exact, if
+/// its rounds could hold it in the last step; what lands or swings gives way further. Springs and motors are meant to.
+/// At least 1; 0 if there is none, for a frequency_cap. Refuses tolerances that are not positive. O(contacts + joints).
+/// Source: Catto, Soft constraints (GDC 2011).
 template <class Recipe>
     requires requires(const typename world<Recipe>::settings_type& with) { with.solver.contact_frequency_ratio; }
 [[nodiscard]] int substeps_for(const world<Recipe>& of, typename world<Recipe>::scalar tolerance) {

@@ -289,6 +289,21 @@ CELL_CASE("substeps: a world knows how far its joints give way that are not solv
             else CHECK(gap < 64 * rounding);
         }
 }
+CELL_CASE("substeps: springs are meant to give way, and limits that nothing has reached do not") {
+    world_type w = falling<world_type>(4);
+    auto settings = w.settings();
+    settings.solver.max_direct_cost = 0;
+    w.set_settings(settings);
+    const body_id a = add_anchor(w, at(0, 0)), b = add_ball(w, at(0, -1));
+    distance_joint spring{.length = S(1), .frequency = S(2), .damping_ratio = S(1)};
+    spring.min_length = S(0.25);
+    spring.max_length = S(4);
+    w.create_joint(a, b, spring);
+    w.set_can_sleep(b, false);
+    run(w, 320);
+    CHECK(number(w.position(b)[1]) < -1.01);
+    CHECK(substeps_for(w, S(1e-4)) == 1);
+}
 
 }  // namespace direct_laws
 }  // namespace

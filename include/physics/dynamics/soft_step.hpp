@@ -75,7 +75,9 @@ struct soft_step_with {
         static constexpr bool rotates = Features::rotation;
         using settings = soft_step_settings<S>;
         using bodies_type = solver_api::solver_bodies<S, D, rotates>;
-        /// Of rigid joints that are solved round by round: their frequency as a part of the substeps' rate.
+        /// Of rigid joints that are solved round by round: their frequency as a part of the substeps' rate. With
+        /// c = w h (2 zeta + w h) what is far from being solved in a round grows from (w h)^2 = (1 + 2 c) / (1 + c) on:
+        /// here from 0.218.
         static constexpr double joint_frequency_ratio = 0.2;
 
         /// Advances velocities and poses by h: `motion` offers integrate_velocities(h) and integrate_positions(h),
@@ -185,9 +187,7 @@ struct soft_step_with {
     private:
         static constexpr int width = Width;
         static constexpr std::uint32_t none = detail::null_index;
-        /// Of rigid joints: frequency as a part of the substeps' rate, and damping ratio. With c = w h (2 zeta + w h)
-        /// what is far from being solved in a round grows from (w h)^2 = (1 + 2 c) / (1 + c) on: here from 0.218.
-        /// That does not limit what is solved directly.
+        /// The same of those that are solved directly, which no round limits; and the damping ratio of both.
         static constexpr double direct_frequency_ratio = 0.25, joint_damping_ratio = 2;
         using turning_block = detail::soft_contact<S, D, width, Features, Friction>;
         using block = std::conditional_t<rotates, turning_block, detail::soft_linear_contact<S, D, width, Features>>;

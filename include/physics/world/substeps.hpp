@@ -75,6 +75,8 @@ double load_of(const stored_joint<Joint, S>& j, const body<S, D, Rotates>& a, co
     for (int i = 0; i < Joint::row_count; ++i) {
         const auto& p = rows.row[i];
         if (p.direction == vec<S, D>{} || !p.is_on() || p.is_spring() || p.is_motor) continue;
+        // Limits that nothing has reached.
+        if (p.is_bounded() && j.sum[i] == S(0)) continue;
         double sum = 0;
         for (int k = 0; k < Joint::row_count; ++k) {
             const auto& q = rows.row[k];
@@ -103,19 +105,21 @@ double largest_joint_load([[maybe_unused]] const state<Plan>& s) {
     return largest;
 }
 
+/// Of joints, as a part of the substeps' rate; 1 where there are none.
 template <class Plan>
 constexpr double joint_frequency_ratio(const state<Plan>&) {
-    return Plan::solver::joint_frequency_ratio;
+    if constexpr (Plan::has_joints) return Plan::solver::joint_frequency_ratio;
+    else return 1;
 }
 
 }  // namespace detail
 
 /// The least number of substeps at which no contact and no joint of a world gives way to what pushed or pulled in the
 /// last step by more than tolerance (m), as those of the soft step do: by F / (m omega^2), omega being their part of
-/// the substeps' rate. Joints that are solved directly (max_direct_cost) do not give way. Of what rests it is exact, as
-/// long as rounds can hold it (of joints: as at twice as many substeps); what lands or swings gives way further.
-/// Springs and motors are meant to. At least 1; 0 if there is none, for a frequency_cap. Refuses tolerances that are
-/// not positive. O(contacts + joints). Source: Catto, Soft constraints (GDC 2011).
+/// the substeps' rate. Joints that are solved directly (max_direct_cost) do not give way. Of what rests it is exact, if
+/// its rounds could hold it in the last step; what lands or swings gives way further. Springs and motors are meant to.
+/// At least 1; 0 if there is none, for a frequency_cap. Refuses tolerances that are not positive. O(contacts + joints).
+/// Source: Catto, Soft constraints (GDC 2011).
 template <class Recipe>
     requires requires(const typename world<Recipe>::settings_type& with) { with.solver.contact_frequency_ratio; }
 [[nodiscard]] int substeps_for(const world<Recipe>& of, typename world<Recipe>::scalar tolerance) {
