@@ -5,10 +5,9 @@
 //   tradeoff play SCENE ENGINE RATE SUBSTEPS ITERATIONS
 //                                    plays one of them and prints a line of CSV
 //   tradeoff references              lists the scenes of which no closed form is known
-//   tradeoff reference SCENE         plays one of them with 64 times the most work of a task and twice a double's
-//   digits,
-//                                    and prints where bodies are; first how far they are with half of that work from
-//                                    there. What it prints belongs in references/SCENE.film beside this program.
+//   tradeoff reference SCENE         plays one of them with 64 times the most work of a task and twice the digits of a
+//                                    double, and prints where bodies are; first how far they are with half of that work
+//                                    from there. What it prints belongs in references/SCENE.film beside this program.
 //   tradeoff scenes                  lists the scenes: name, dimension, what is visible, what is played, what is judged
 //   tradeoff scene SCENE             one of them as JSON
 //   tradeoff judge SCENE ENGINE RATE SUBSTEPS ITERATIONS < FILM

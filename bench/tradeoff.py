@@ -74,7 +74,8 @@ def place():
 
 def make_references(wanted, jobs):
     """Films of references, beside the program. They change with the library, the scenes and the reference alone."""
-    made_from = ["physics.hpp", "bench/scenes/ours.hpp", "bench/tradeoff/questions.cpp", "bench/tradeoff/reference.cpp"]
+    made_from = ["physics.hpp", "bench/scenes/ours.hpp", "bench/scenes/parts.hpp", "bench/tradeoff.cpp",
+                 "bench/tradeoff/questions.cpp", "bench/tradeoff/reference.cpp"]
     key = hashlib.sha256(b"".join((ROOT / path).read_bytes() for path in made_from)).hexdigest()
     into = PROGRAM.parent / "references"
     if not (into / "KEY").exists() or (into / "KEY").read_text() != key:
