@@ -91,7 +91,9 @@ TEST_CASE("derivatives: of what flies, falls, bounces, rolls and slides they are
                 // In the air, after a landing, and long after.
                 for (const int steps : {64, 96, 160}) {
                     slopes_are_right<2>({is_box, on_box, 5, restitution, 4, steps});
-                    if (!is_box) slopes_are_right<3>({is_box, on_box, 5, restitution, 4, steps});
+                    // A cube that has tumbled comes to rest flat, in jumps: there differences do not converge.
+                    if (is_box && restitution == 0 && steps == 160) continue;
+                    slopes_are_right<3>({is_box, on_box, 5, restitution, 4, steps});
                 }
 }
 

@@ -82,12 +82,15 @@ struct free_spin {
     constexpr explicit free_spin(S) {}
 };
 /// In 3D: its principal axes and the moments about them, the inverse of the first one, and by how much the inverses
-/// of the others differ from that; the second is the one that differs least.
+/// of the others differ from that; the second is the one that differs least. `reach` is the largest angular momentum
+/// times a time (kg m^2) over which its turns may be taken one after the other: half a radian about the third axis;
+/// without limit for symmetric tops, whose turns are exact.
 template <class S>
 struct free_spin<S, 3> {
     rotation<S, 3> axes;
     vec<S, 3> moments;
     inverse_of<S> first{}, second{}, third{};
+    S reach{};
 
     free_spin() = default;
     explicit free_spin(const symmetric<S>& inertia) {
@@ -114,6 +117,9 @@ struct free_spin<S, 3> {
         first = inverse_of<S>(inverse[0]);
         second = inverse_of<S>(inverse[1] - inverse[0]);
         third = inverse_of<S>(inverse[2] - inverse[0]);
+        const double unequal = abs(inverse[1] - inverse[0]), most = static_cast<double>(scalar_traits<S>::max()) / 2;
+        const double limit = unequal > 0x1p-13 * inverse[0] ? 0.5 / abs(inverse[2] - inverse[0]) : most;
+        reach = S(limit < most ? limit : most);
     }
 
 private:

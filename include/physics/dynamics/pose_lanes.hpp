@@ -50,7 +50,7 @@ struct spin_lanes {
     std::uint32_t body[W];
     /// The principal axes of tops, the frames of others; and the former as the step began.
     S axes[4][W], start[4][W];
-    S moments[3][W];
+    S moments[3][W], reach[W];
     I first[W], second[W], third[W];
     /// Of tops: the angular velocity that the last turn has left, and the angular momentum that belongs to it: so that
     /// a momentum that nothing changes is not rounded again in each part of a step.
@@ -140,6 +140,7 @@ private:
         to.first[lane] = spin.first;
         to.second[lane] = spin.second;
         to.third[lane] = spin.third;
+        to.reach[lane] = spin.reach;
         to.any_gyroscopic = true;
     }
     static rotation<S, 3> rotation_of(const S (&rows)[4][width], int lane) {
@@ -197,6 +198,8 @@ private:
         turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
         turn_about(axes.z, axes.x, axes.y, axes.w, seen.x, seen.y, mul<S>(third, seen.z) * whole, far);
         turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
+        const P most = max(max(lane_abs(momentum.x), lane_abs(momentum.y)), lane_abs(momentum.z));
+        far |= greater(most * whole, P::load(of.reach)).bits();
         const auto of_gyroscopic = [&](const P& then, const P& otherwise) PHYSICS_HPP_INLINE_LAMBDA {
             return select_greater(moments.x, zero, then, otherwise);
         };
@@ -212,7 +215,7 @@ private:
                                        kept.z / of_gyroscopic(moments.z, one)};
         w = select_greater(moments.x, zero, lane_rotated(drawn, drawn_lack, spinning), w);
     }
-    /// Lanes that turn so far that it takes trigonometry: anew, one by one.
+    /// Lanes that turn so far that it takes trigonometry or several turns: anew, one by one.
     PHYSICS_HPP_COLD void turn_far(const block& of, S h, std::uint32_t far, const lane_vec3<P>& before,
                                    rotation_lanes<P>& axes, lane_vec3<P>& w) const {
         for (int lane = 0; lane < width; ++lane) {

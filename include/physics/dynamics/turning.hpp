@@ -32,16 +32,24 @@ private:
 };
 
 /// Turns a body by its own inertia for a time h: its principal axes, with a momentum that stays; gives the angular
-/// velocity at the end.
+/// velocity at the end. A time in which it would turn beyond its reach is split, for else its energy could grow to that
+/// of its shortest axis: into up to 1,024 parts of an eighth of a radian, which takes about 0.1 us each.
 template <class S>
 constexpr vec<S, 3> turn_gyroscopic(const free_spin<S, 3>& spin, rotation<S, 3>& axes, const vec<S, 3>& momentum, S h) {
     vec<S, 3> seen = rotated_as_unit(inverse(axes), momentum);
     const auto turn_about = [&](int axis, inverse_of<S> by, S time) {
         if (by != inverse_of<S>(0)) axis_turn<S>(mul<S>(by, seen[axis]) * time).apply(axis, axes, seen);
     };
-    turn_about(1, spin.second, h * S(0.5));
-    turn_about(2, spin.third, h);
-    turn_about(1, spin.second, h * S(0.5));
+    S most{}, part = h;
+    for (int i = 0; i < 3; ++i) most = max(most, abs(momentum[i]));
+    int parts = 1;
+    if (most * h > spin.reach)
+        for (; parts < 1024 && most * part > spin.reach * S(0.25); parts *= 2) part = part * S(0.5);
+    for (int n = 0; n < parts; ++n) {
+        turn_about(1, spin.second, part * S(0.5));
+        turn_about(2, spin.third, part);
+        turn_about(1, spin.second, part * S(0.5));
+    }
     vec<S, 3> angle;
     for (int i = 0; i < 3; ++i) angle[i] = mul<S>(spin.first, momentum[i]) * h;
     axes = turned(axes, angle);
