@@ -57,5 +57,5 @@ set ylabel "error / what is just visible"
 set format x "%g"
 set xtics (1, 2, 4, 8, 16, 32, 64)
 plot for [i = 1:words(scenes2)] sprintf("< grep -h '^%s,' %s/substeps.dat", word(scenes2, i), folder) \
-         using 2:3 with linespoints pt i ps 0.7 lc rgb word(scene_colours, i) title word(scenes2, i), \
+         using 2:3 with linespoints pt i ps 0.7 lc rgb word(scene_colours, (i - 1) % words(scene_colours) + 1) title word(scenes2, i), \
      1 with lines dt 3 lc rgb "#444444" title "just visible"
