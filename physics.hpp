@@ -1529,6 +1529,19 @@ struct handle {
     friend bool operator==(handle, handle) = default;
 };
 
+/// Tells handles of bodies from others.
+struct body_tag;
+/// Tells handles of shapes from others.
+struct shape_tag;
+/// Tells handles of joints from others.
+struct joint_tag;
+/// Names a body of a world.
+using body_id = handle<body_tag>;
+/// Names a shape of a world.
+using shape_id = handle<shape_tag>;
+/// Names a joint of a world.
+using joint_id = handle<joint_tag>;
+
 PHYSICS_HPP_END
 
 // =================================================================================================
@@ -17279,11 +17292,22 @@ PHYSICS_HPP_BEGIN
 /// A mask of every category.
 inline constexpr std::uint32_t all_categories = 0xffffffffu;
 
-/// Which proxies can form a pair: each one's category must be in the other's mask, the owners must differ, and at least
-/// one must be movable.
+/// Which shapes meet: two of one group, unless that is 0, do if it is positive and do not if it is negative, whatever
+/// their categories; else each one's category must be in the other's mask. Of several bits of a category one suffices.
+struct collision_filter {
+    std::uint32_t category = 1;
+    std::uint32_t mask = all_categories;
+    std::int32_t group = 0;
+
+    friend bool operator==(const collision_filter&, const collision_filter&) = default;
+};
+
+/// Which proxies can form a pair: those of which a collision_filter says so, if the owners differ and at least one is
+/// movable.
 struct proxy_filter {
     std::uint32_t category = 1;
     std::uint32_t mask = all_categories;
+    std::int32_t group = 0;
     /// Proxies of one owner, say shapes of one body, never meet; none by default.
     std::uint32_t owner = detail::null_index;
     /// False for what nothing pushes: static and kinematic geometry. Such proxies never meet each other, and cost
@@ -17294,8 +17318,12 @@ struct proxy_filter {
 };
 
 /// True if the two may meet.
+constexpr bool may_meet(const collision_filter& a, const collision_filter& b) {
+    if (a.group == b.group && a.group != 0) return a.group > 0;
+    return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
+}
 constexpr bool may_meet(const proxy_filter& a, const proxy_filter& b) {
-    return (a.category & b.mask) != 0 && (b.category & a.mask) != 0 &&
+    return may_meet(collision_filter{a.category, a.mask, a.group}, collision_filter{b.category, b.mask, b.group}) &&
            (a.owner != b.owner || a.owner == detail::null_index) && (a.movable || b.movable);
 }
 
@@ -17602,15 +17630,22 @@ PHYSICS_HPP_END
 
 PHYSICS_HPP_BEGIN
 
-/// Which proxies a query sees: those whose category is in its mask and whose mask holds its category.
+/// Which proxies a query sees: those whose category is in its mask and whose mask holds its category. Groups do not
+/// matter to queries.
 struct query_filter {
     std::uint32_t category = 1;
     std::uint32_t mask = all_categories;
     /// Whether it sees movable ones too; of a world these are the shapes of dynamic bodies that are awake.
     bool movable = true;
+    /// Whose proxies it does not see, say of the body that asks; null: none. A broadphase looks at the index alone,
+    /// which is the owner; a world refuses the handle of what is gone.
+    body_id except = {};
+    /// Whether categories and masks do not matter to it.
+    bool any_category = false;
 
     [[nodiscard]] constexpr bool sees(const proxy_filter& p) const {
-        return (p.category & mask) != 0 && (category & p.mask) != 0 && (movable || !p.movable);
+        return (any_category || ((p.category & mask) != 0 && (category & p.mask) != 0)) && (movable || !p.movable) &&
+               (!except || p.owner != except.index);
     }
 };
 
@@ -22330,9 +22365,9 @@ struct free_spin<S, 3> {
         first = inverse_of<S>(inverse[0]);
         second = inverse_of<S>(inverse[1] - inverse[0]);
         third = inverse_of<S>(inverse[2] - inverse[0]);
-        const double unequal = abs(inverse[1] - inverse[0]), most = static_cast<double>(scalar_traits<S>::max()) / 2;
-        const double limit = unequal > 0x1p-13 * inverse[0] ? 0.5 / abs(inverse[2] - inverse[0]) : most;
-        reach = S(limit < most ? limit : most);
+        const double unequal = abs(inverse[1] - inverse[0]), maximum = static_cast<double>(scalar_traits<S>::max()) / 2;
+        const double limit = unequal > 0x1p-13 * inverse[0] ? 0.5 / abs(inverse[2] - inverse[0]) : maximum;
+        reach = S(limit < maximum ? limit : maximum);
     }
 
 private:
@@ -26972,11 +27007,11 @@ constexpr vec<S, 3> turn_gyroscopic(const free_spin<S, 3>& spin, rotation<S, 3>&
     const auto turn_about = [&](int axis, inverse_of<S> by, S time) {
         if (by != inverse_of<S>(0)) axis_turn<S>(mul<S>(by, seen[axis]) * time).apply(axis, axes, seen);
     };
-    S most{}, part = h;
-    for (int i = 0; i < 3; ++i) most = max(most, abs(momentum[i]));
+    S largest{}, part = h;
+    for (int i = 0; i < 3; ++i) largest = max(largest, abs(momentum[i]));
     int parts = 1;
-    if (most * h > spin.reach)
-        for (; parts < 1024 && most * part > spin.reach * S(0.25); parts *= 2) part = part * S(0.5);
+    if (largest * h > spin.reach)
+        for (; parts < 1024 && largest * part > spin.reach * S(0.25); parts *= 2) part = part * S(0.5);
     for (int n = 0; n < parts; ++n) {
         turn_about(1, spin.second, part * S(0.5));
         turn_about(2, spin.third, part);
@@ -27207,8 +27242,8 @@ private:
         turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
         turn_about(axes.z, axes.x, axes.y, axes.w, seen.x, seen.y, mul<S>(third, seen.z) * whole, far);
         turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
-        const P most = max(max(lane_abs(momentum.x), lane_abs(momentum.y)), lane_abs(momentum.z));
-        far |= greater(most * whole, P::load(of.reach)).bits();
+        const P largest = max(max(lane_abs(momentum.x), lane_abs(momentum.y)), lane_abs(momentum.z));
+        far |= greater(largest * whole, P::load(of.reach)).bits();
         const auto of_gyroscopic = [&](const P& then, const P& otherwise) PHYSICS_HPP_INLINE_LAMBDA {
             return select_greater(moments.x, zero, then, otherwise);
         };
@@ -31775,11 +31810,12 @@ struct shape_record {
     vec<S, D> r;
     [[no_unique_address]] stored_material<S, D, typename Plan::features> material;
     S density{};
+    collision_filter filter;
     std::uint32_t body = 0;
     /// The body's shape of the next lower number.
     std::uint32_t next = no_shape;
     std::uint64_t user_data = 0;
-    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, body, next, user_data)
+    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, filter, body, next, user_data)
 };
 
 /// The shapes of a world. It is one of the owners of the geometry that its shapes are made of.
@@ -31969,7 +32005,8 @@ auto query_bounds(const World& w, const shape_record<Plan>& shape) {
 /// What the broadphase knows of a shape besides.
 template <class World, class Plan>
 proxy_filter filter_of(const World& w, const shape_record<Plan>& shape) {
-    return {.owner = shape.body, .movable = is_awake_dynamic(w.bodies, w.sleep, shape.body)};
+    const collision_filter& f = shape.filter;
+    return {f.category, f.mask, f.group, shape.body, is_awake_dynamic(w.bodies, w.sleep, shape.body)};
 }
 template <class Plan>
 void configure_broadphase(state<Plan>& s) {
@@ -32001,10 +32038,11 @@ template <class Plan>
 void reinsert_proxies(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
                       const sleep_of<Plan>& sleep, typename Plan::scalar margin, typename Plan::broadphase& broadphase,
                       std::uint32_t body) {
-    const proxy_filter filter{.owner = body, .movable = is_awake_dynamic(bodies, sleep, body)};
+    const bool movable = is_awake_dynamic(bodies, sleep, body);
     each_shape(bodies, shapes, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
         broadphase.erase(i);
-        broadphase.insert(i, box_within(margin, shape), filter);
+        const collision_filter& f = shape.filter;
+        broadphase.insert(i, box_within(margin, shape), {f.category, f.mask, f.group, body, movable});
     });
 }
 template <class Plan>
@@ -32263,7 +32301,8 @@ void wake_islands(const wake_input<Plan>& w, Each&& each) {
     each([&](std::uint32_t body) { any = wake_island(w, body) || any; });
     if (any) return_contacts(w);
 }
-/// Wakes those that lie where a body is, or on its way to another pose, and those that joints hold to it.
+/// Wakes those that lie where a body is, or on its way to another pose, if it meets them, and those that joints hold to
+/// it.
 template <class Plan>
 void wake_near(const wake_input<Plan>& w, std::uint32_t body,
                const transform<typename Plan::scalar, Plan::dimension>& to) {
@@ -32272,8 +32311,9 @@ void wake_near(const wake_input<Plan>& w, std::uint32_t body,
     near.clear();
     each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto& shape) {
         const auto box = merged(query_bounds(w, shape), bounds(shape.shape, to * shape.local));
-        each_near(w, box, query_filter{}, [&](std::uint32_t other) {
-            if (w.sleep.is_asleep(w.shapes[other].body)) near.push_back(w.shapes[other].body);
+        each_near(w, box, query_filter{.any_category = true}, [&](std::uint32_t other) {
+            const auto& there = w.shapes[other];
+            if (w.sleep.is_asleep(there.body) && may_meet(shape.filter, there.filter)) near.push_back(there.body);
             return true;
         });
     });
@@ -33888,15 +33928,15 @@ protected:
             box.upper[i] = static_cast<S>(path.upper[i] + pose_error * (abs(path.upper[i]) + 1));
         }
         if (!is_box(box)) return false;
-        const proxy_filter own{.owner = body, .movable = true};
         const auto add = [&](std::uint32_t shape) {
             const auto& record = in_.shapes[shape];
+            if (record.body == body) return;
             if (!everything && in_.bodies[record.body].type != body_type::static_body) return;
             if constexpr (Plan::has_joints)
                 if (in_.joints.keep_apart(body, record.body)) return;
-            if (may_meet(own, filter_of(in_, record))) found.push_back(shape);
+            found.push_back(shape);
         };
-        each_near(in_, box, query_filter{.category = all_categories, .movable = everything}, add);
+        each_near(in_, box, query_filter{.movable = everything, .any_category = true}, add);
         if (everything)
             for (const auto& partner : data_.moving_bodies)
                 if (overlap(partner.box, path))
@@ -33931,16 +33971,17 @@ protected:
             record.shape.visit([&](const auto& shape) {
                 each_swept_piece(shape, everywhere(record.local.rotation),
                                  [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
-                                     sweep_piece(m, path, c, axes * turned, axes * where + at);
+                                     sweep_piece(m, path, record.filter, c, axes * turned, axes * where + at);
                                  });
             });
         });
     }
-    PHYSICS_HPP_COLD void sweep_piece(swept_body_type& m, const body_sweep& path, const core<D>& piece,
-                                      const mat<double, D>& axes, const point<D>& at) {
+    PHYSICS_HPP_COLD void sweep_piece(swept_body_type& m, const body_sweep& path, const collision_filter& filter,
+                                      const core<D>& piece, const mat<double, D>& axes, const point<D>& at) {
         const double thickness = inradius_of<Plan::few_corners>(piece);
         for (const std::uint64_t k : data_.candidates) {
             const auto& record = in_.shapes[static_cast<std::uint32_t>(k)];
+            if (!may_meet(filter, record.filter)) continue;
             const body_sweep other = motion_of(record.body);
             const obstacle o{
                 other,
@@ -34616,6 +34657,8 @@ struct shape_def {
     /// kg/m^3 in 3D, kg/m^2 in 2D; at least 0. Only ratios matter until forces act.
     S density = S(1);
     physics::material<S, D> material = {};
+    /// Which other shapes it meets.
+    collision_filter filter = {};
     std::uint64_t user_data = 0;
 };
 template <class S, int D>
@@ -34623,6 +34666,7 @@ struct shape_def<S, D, false> {
     vec<S, D> position = {};
     physics::rotation<S, D> rotation = {};
     S density = S(1);
+    collision_filter filter = {};
     std::uint64_t user_data = 0;
 };
 
@@ -34637,19 +34681,6 @@ struct joint_def {
     double break_force = 0, break_torque = 0;
     std::uint64_t user_data = 0;
 };
-
-/// Tells handles of bodies from others.
-struct body_tag;
-/// Tells handles of shapes from others.
-struct shape_tag;
-/// Tells handles of joints from others.
-struct joint_tag;
-/// Names a body of a world.
-using body_id = handle<body_tag>;
-/// Names a shape of a world.
-using shape_id = handle<shape_tag>;
-/// Names a joint of a world.
-using joint_id = handle<joint_tag>;
 
 /// A joint that broke in the last step, and what it gave in that.
 template <class S, int D>
@@ -35809,6 +35840,7 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     record.local = {def.position, normalized(def.rotation)};
     if constexpr (Plan::features::materials) record.material = def.material;
     record.density = def.density;
+    record.filter = def.filter;
     record.body = body;
     record.user_data = def.user_data;
     update_pose(record, owner.pose(), owner.center);
@@ -35972,6 +36004,22 @@ void set_material(world_data<Plan>& s, shape_id id, const material<typename Plan
     if (!at || !check_material<Plan>("set_material", m)) return;
     wake_affected(s, s.shapes[at.index].body);
     s.shapes[at.index].material = m;
+}
+
+/// Contacts with what the shape meets no longer go at once; others keep their impulses.
+template <class Plan>
+void set_filter(world_data<Plan>& s, std::uint32_t index, const collision_filter& filter) {
+    auto& shape = s.shapes[index];
+    if (filter == shape.filter) return;
+    wake_affected(s, shape.body);
+    shape.filter = filter;
+    drop_contacts(s, [&](const auto& c) {
+        return (c.shape_a == index || c.shape_b == index) &&
+               !may_meet(s.shapes[c.shape_a].filter, s.shapes[c.shape_b].filter);
+    });
+    s.broadphase.erase(index);
+    s.broadphase.insert(index, query_bounds(s, shape), filter_of(s, shape));
+    wake_near(s, shape.body);
 }
 
 template <class Plan>
@@ -36557,6 +36605,8 @@ public:
         add(material.rolling_resistance);
         add(material.surface_velocity);
         add(s.density);
+        add(std::uint64_t{s.filter.category} << 32 | s.filter.mask);
+        add(std::uint64_t{static_cast<std::uint32_t>(s.filter.group)});
         const auto box = bounds(s.shape, s.local);
         add(box.lower);
         add(box.upper);
@@ -36854,6 +36904,10 @@ void each_on(const state<Plan>& s, const ray<typename Plan::scalar, Plan::dimens
         });
     }
 }
+template <class Plan>
+bool check_filter(const state<Plan>& s, const char* function, const query_filter& filter) {
+    return !filter.except || find(s, s.bodies, filter.except, function, "except");
+}
 template <class S, int D>
 bool check_translation(const char* function, const char* from, vec<S, D> origin, vec<S, D> translation) {
     return check_finite(function, from, origin) && check_finite(function, "translation", translation) &&
@@ -36866,7 +36920,7 @@ template <class Plan, class Visit>
 void cast_ray(const state<Plan>& s, const char* function, vec<typename Plan::scalar, Plan::dimension> origin,
               vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter, Visit&& visit) {
     using S = typename Plan::scalar;
-    if (!check_translation(function, "origin", origin, translation)) return;
+    if (!check_translation(function, "origin", origin, translation) || !check_filter(s, function, filter)) return;
     S limit(1);
     each_on(s, {origin, translation}, filter, [&](std::uint32_t i) {
         const auto& shape = s.shapes[i];
@@ -36893,7 +36947,7 @@ world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
     const char* f = "cast_shape";
     world_hit<S, D> first;
     if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation) ||
-        !check_translation(f, "position", pose.position, translation))
+        !check_translation(f, "position", pose.position, translation) || !check_filter(s, f, filter))
         return first;
     const aabb<S, D> box = bounds(shape, pose);
     if (!check_extent(f, box)) return first;
@@ -36924,7 +36978,7 @@ void find_touched(const state<Plan>& s, const char* f, const Shape& shape,
                   const transform<typename Plan::scalar, Plan::dimension>& pose, const query_filter& filter,
                   Found&& found) {
     using S = typename Plan::scalar;
-    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation)) return;
+    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation) || !check_filter(s, f, filter)) return;
     const auto box = bounds(shape, pose);
     if (!check_extent(f, box)) return;
     each_near(s, box, filter, [&](std::uint32_t i) {
@@ -36979,7 +37033,8 @@ closest_hit<typename Plan::scalar, Plan::dimension> closest_shape(const state<Pl
     constexpr int D = Plan::dimension;
     const char* f = "closest_shape";
     closest_hit<S, D> best;
-    if (!check_finite(f, "point", point) || !check_not_negative(f, "reach", reach)) return best;
+    if (!check_finite(f, "point", point) || !check_not_negative(f, "reach", reach) || !check_filter(s, f, filter))
+        return best;
     each_near(s, around(point, reach), filter, [&](std::uint32_t i) {
         const transform<S, D> at = s.shapes[i].pose;
         s.shapes[i].shape.visit([&](const auto& other) {
@@ -37049,6 +37104,7 @@ struct world_code {
     static void set_mass(data& s, std::uint32_t body, const mass_properties<S, D>& mass);
     static void reset_mass(data& s, std::uint32_t body);
     static void set_rotation_locked(data& s, std::uint32_t body, bool locked);
+    static void set_filter(data& s, std::uint32_t shape, const collision_filter& filter);
 
     static hit cast_ray(const state& s, vec origin, vec translation, const query_filter& filter);
     static void find_hits(const state& s, vec origin, vec translation, const query_filter& filter, hits& to);
@@ -37143,6 +37199,10 @@ void world_code<Plan>::reset_mass(data& s, std::uint32_t body) {
 template <class Plan>
 void world_code<Plan>::set_rotation_locked(data& s, std::uint32_t body, bool locked) {
     if constexpr (Plan::rotates) scoped([&] { detail::set_rotation_locked(s, body, locked); });
+}
+template <class Plan>
+void world_code<Plan>::set_filter(data& s, std::uint32_t shape, const collision_filter& filter) {
+    scoped([&] { detail::set_filter(s, shape, filter); });
 }
 
 template <class Plan>
@@ -37563,6 +37623,64 @@ public:
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/world/query_functions.hpp
+// =================================================================================================
+// What users ask a world for.
+
+PHYSICS_HPP_BEGIN
+
+/// The queries of a world. They see shapes where they are now; the filter says which (see query_filter). O(log shapes)
+/// where the broadphase answers queries, as those of the library do; else O(shapes). Visitors are called after all has
+/// been found, so that they may change the world, or step it: what has been destroyed by then is left out.
+template <class World, class Plan>
+class query_functions {
+    static constexpr int D = Plan::dimension;
+    using S = typename Plan::scalar;
+
+public:
+    /// The first shape that a ray meets on its way from a point, along a translation (m); of several at once that of
+    /// the least number.
+    [[nodiscard]] world_hit<S, D> cast_ray(vec<S, D> origin, vec<S, D> translation,
+                                           const query_filter& filter = {}) const {
+        return detail::world_code<Plan>::cast_ray(state(), origin, translation, filter);
+    }
+    /// Calls visit(hit) for shapes that the ray meets, in their order along it. visit returns the fraction of the
+    /// translation up to which the ray goes on: 1 for all, -1 to stop. To find the first alone, cast_ray is faster.
+    template <class Visit>
+    void each_hit_along_ray(vec<S, D> origin, vec<S, D> translation, const query_filter& filter, Visit&& visit) const {
+        detail::each_hit_along_ray(state(), origin, translation, filter, visit);
+    }
+    /// The first shape that a convex shape meets on its way from a pose along a translation, without turning.
+    template <class Shape>
+    [[nodiscard]] world_hit<S, D> cast_shape(const Shape& shape, const transform<S, D>& pose, vec<S, D> translation,
+                                             const query_filter& filter = {}) const {
+        return detail::scoped([&] { return detail::cast_shape(state(), shape, pose, translation, filter); });
+    }
+    /// Calls visit(shape_id) for every shape that a convex shape at that pose touches or overlaps, in ascending order
+    /// of numbers. Where visit returns a bool, false ends the query.
+    template <class Shape, class Visit>
+    void each_overlapping(const Shape& shape, const transform<S, D>& pose, const query_filter& filter,
+                          Visit&& visit) const {
+        detail::each_overlapping(state(), "each_overlapping", shape, pose, filter, visit);
+    }
+    /// The same for shapes that hold a point.
+    template <class Visit>
+    void each_at(vec<S, D> point, const query_filter& filter, Visit&& visit) const {
+        if (detail::check_finite("each_at", "point", point))
+            detail::each_overlapping(state(), "each_at", detail::point_shape<S, D>{}, {point, {}}, filter, visit);
+    }
+    /// The shape closest to a point, none farther than `reach` (m).
+    [[nodiscard]] closest_hit<S, D> closest_shape(vec<S, D> point, S reach, const query_filter& filter = {}) const {
+        return detail::world_code<Plan>::closest_shape(state(), point, reach, filter);
+    }
+
+private:
+    const auto& state() const { return detail::world_access::state_of(static_cast<const World&>(*this)); }
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/world/snapshot.hpp
 // =================================================================================================
 // Snapshots of a world's state: all that lasts from step to step, in one block of memory.
@@ -37777,7 +37895,8 @@ PHYSICS_HPP_BEGIN
 template <class Recipe, class Plan = typename detail::plan_of<Recipe>::type>
 class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar,
                                            detail::plan_of<Recipe>::type::dimension>,
-              public joint_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
+              public joint_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
+              public query_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
     friend detail::world_access;
     using plan = typename detail::plan_of<Recipe>::type;
     using of_joints = joint_functions<world, plan>;
@@ -38082,50 +38201,20 @@ public:
     void set_material(shape_id id, const material_type& m) requires(plan::features::materials) {
         detail::scoped([&] { detail::set_material(data_, id, m); });
     }
+    [[nodiscard]] collision_filter filter(shape_id id) const {
+        return get(id, "filter", [](const auto& s) { return s.filter; });
+    }
+    /// Changes which shapes a shape meets. Contacts with those that it meets no longer are gone at once, others keep
+    /// their impulses; sleepers that it begins or ceases to touch wake. O(contacts + shapes of its body).
+    void set_filter(shape_id id, const collision_filter& filter) {
+        const auto s = detail::find_shape(data_, id, "set_filter");
+        if (s) code::set_filter(data_, s.index, filter);
+    }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });
     }
     void set_user_data(shape_id id, std::uint64_t data) {
         if (const auto s = detail::find_shape(data_, id, "set_user_data")) data_.shapes[s.index].user_data = data;
-    }
-
-    /// Queries see shapes where they are now; the filter says which (see query_filter). O(log shapes) where the
-    /// broadphase answers queries, as those of the library do; else O(shapes).
-    /// The first shape that a ray meets on its way from a point, along a translation (m); of several at once that of
-    /// the least number.
-    [[nodiscard]] world_hit cast_ray(vec origin, vec translation, const query_filter& filter = {}) const {
-        return code::cast_ray(data_, origin, translation, filter);
-    }
-    /// Visitors are called after all has been found, so that they may change the world, or step it: what has been
-    /// destroyed by then is left out.
-    /// Calls visit(hit) for shapes that the ray meets, in their order along it. visit returns the fraction of the
-    /// translation up to which the ray goes on: 1 for all, -1 to stop. To find the first alone, cast_ray is faster.
-    template <class Visit>
-    void each_hit_along_ray(vec origin, vec translation, const query_filter& filter, Visit&& visit) const {
-        detail::each_hit_along_ray(data_, origin, translation, filter, visit);
-    }
-    /// The first shape that a convex shape meets on its way from a pose along a translation, without turning.
-    template <class Shape>
-    [[nodiscard]] world_hit cast_shape(const Shape& shape, const transform& pose, vec translation,
-                                       const query_filter& filter = {}) const {
-        return detail::scoped([&] { return detail::cast_shape(data_, shape, pose, translation, filter); });
-    }
-    /// Calls visit(shape_id) for every shape that a convex shape at that pose touches or overlaps, in ascending order
-    /// of numbers. Where visit returns a bool, false ends the query.
-    template <class Shape, class Visit>
-    void each_overlapping(const Shape& shape, const transform& pose, const query_filter& filter, Visit&& visit) const {
-        detail::each_overlapping(data_, "each_overlapping", shape, pose, filter, visit);
-    }
-    /// The same for shapes that hold a point.
-    template <class Visit>
-    void each_at(vec point, const query_filter& filter, Visit&& visit) const {
-        if (detail::check_finite("each_at", "point", point))
-            detail::each_overlapping(data_, "each_at", detail::point_shape<scalar, dimension>{}, {point, {}}, filter,
-                                     visit);
-    }
-    /// The shape closest to a point, none farther than `reach` (m).
-    [[nodiscard]] closest_hit closest_shape(vec point, scalar reach, const query_filter& filter = {}) const {
-        return code::closest_shape(data_, point, reach, filter);
     }
 
 private:

@@ -40,7 +40,8 @@ inline bool share_a_point(const aabb& a, const aabb& b) {
     return true;
 }
 inline bool allowed(const physics::proxy_filter& a, const physics::proxy_filter& b) {
-    const bool by_mask = (a.category & b.mask) && (b.category & a.mask);
+    const bool one_group = a.group == b.group && a.group != 0;
+    const bool by_mask = one_group ? a.group > 0 : (a.category & b.mask) && (b.category & a.mask);
     const bool siblings = a.owner == b.owner && a.owner != 0xffffffffu;
     return by_mask && !siblings && (a.movable || b.movable);
 }
@@ -74,6 +75,7 @@ struct crowd {
         if (dice.below(8) == 0) m.filter.movable = false;
         if (dice.below(8) == 0) m.filter.category = 1u << dice.below(4);
         if (dice.below(8) == 0) m.filter.mask = static_cast<std::uint32_t>(dice.below(16));
+        if (dice.below(6) == 0) m.filter.group = dice.below(5) - 2;
         if (dice.below(4) == 0) m.filter.owner = static_cast<std::uint32_t>(dice.below(4));
         widen(m, {});
         members[id] = m;

@@ -72,10 +72,14 @@ inline physics::query_filter filter_in(cell::dice& dice) {
     if (dice.below(3) == 0) f.mask = static_cast<std::uint32_t>(dice.below(16));
     if (dice.below(3) == 0) f.category = 1u << dice.below(4);
     f.movable = dice.below(3) != 0;
+    f.any_category = dice.below(6) == 0;
+    if (dice.below(3) == 0) f.except.index = static_cast<std::uint32_t>(dice.below(6));
     return f;
 }
 inline bool is_seen(const physics::proxy_filter& p, const physics::query_filter& by) {
-    return (p.category & by.mask) && (p.mask & by.category) && (by.movable || !p.movable);
+    const bool by_category = by.any_category || ((p.category & by.mask) && (p.mask & by.category));
+    const bool left_out = by.except.index != 0xffffffffu && by.except.index == p.owner;
+    return by_category && (by.movable || !p.movable) && !left_out;
 }
 
 CELL_CASE("queries: boxes and points find what a comparison of all boxes finds") {

@@ -68,6 +68,8 @@ const entry<shape_id> shape_entries[] = {
     {"local_pose", [](world& w, shape_id s) { (void)w.local_pose(s); }},
     {"material", [](world& w, shape_id s) { (void)w.material(s); }},
     {"set_material", [](world& w, shape_id s) { w.set_material(s, {}); }},
+    {"filter", [](world& w, shape_id s) { (void)w.filter(s); }},
+    {"set_filter", [](world& w, shape_id s) { w.set_filter(s, {}); }},
     {"user_data", [](world& w, shape_id s) { (void)w.user_data(s); }},
     {"set_user_data", [](world& w, shape_id s) { w.set_user_data(s, 1); }},
 };

@@ -25,4 +25,17 @@ struct handle {
     friend bool operator==(handle, handle) = default;
 };
 
+/// Tells handles of bodies from others.
+struct body_tag;
+/// Tells handles of shapes from others.
+struct shape_tag;
+/// Tells handles of joints from others.
+struct joint_tag;
+/// Names a body of a world.
+using body_id = handle<body_tag>;
+/// Names a shape of a world.
+using shape_id = handle<shape_tag>;
+/// Names a joint of a world.
+using joint_id = handle<joint_tag>;
+
 PHYSICS_HPP_END

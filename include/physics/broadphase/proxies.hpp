@@ -11,11 +11,22 @@ PHYSICS_HPP_BEGIN
 /// A mask of every category.
 inline constexpr std::uint32_t all_categories = 0xffffffffu;
 
-/// Which proxies can form a pair: each one's category must be in the other's mask, the owners must differ, and at least
-/// one must be movable.
+/// Which shapes meet: two of one group, unless that is 0, do if it is positive and do not if it is negative, whatever
+/// their categories; else each one's category must be in the other's mask. Of several bits of a category one suffices.
+struct collision_filter {
+    std::uint32_t category = 1;
+    std::uint32_t mask = all_categories;
+    std::int32_t group = 0;
+
+    friend bool operator==(const collision_filter&, const collision_filter&) = default;
+};
+
+/// Which proxies can form a pair: those of which a collision_filter says so, if the owners differ and at least one is
+/// movable.
 struct proxy_filter {
     std::uint32_t category = 1;
     std::uint32_t mask = all_categories;
+    std::int32_t group = 0;
     /// Proxies of one owner, say shapes of one body, never meet; none by default.
     std::uint32_t owner = detail::null_index;
     /// False for what nothing pushes: static and kinematic geometry. Such proxies never meet each other, and cost
@@ -26,8 +37,12 @@ struct proxy_filter {
 };
 
 /// True if the two may meet.
+constexpr bool may_meet(const collision_filter& a, const collision_filter& b) {
+    if (a.group == b.group && a.group != 0) return a.group > 0;
+    return (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
+}
 constexpr bool may_meet(const proxy_filter& a, const proxy_filter& b) {
-    return (a.category & b.mask) != 0 && (b.category & a.mask) != 0 &&
+    return may_meet(collision_filter{a.category, a.mask, a.group}, collision_filter{b.category, b.mask, b.group}) &&
            (a.owner != b.owner || a.owner == detail::null_index) && (a.movable || b.movable);
 }
 

@@ -6,15 +6,22 @@
 
 PHYSICS_HPP_BEGIN
 
-/// Which proxies a query sees: those whose category is in its mask and whose mask holds its category.
+/// Which proxies a query sees: those whose category is in its mask and whose mask holds its category. Groups do not
+/// matter to queries.
 struct query_filter {
     std::uint32_t category = 1;
     std::uint32_t mask = all_categories;
     /// Whether it sees movable ones too; of a world these are the shapes of dynamic bodies that are awake.
     bool movable = true;
+    /// Whose proxies it does not see, say of the body that asks; null: none. A broadphase looks at the index alone,
+    /// which is the owner; a world refuses the handle of what is gone.
+    body_id except = {};
+    /// Whether categories and masks do not matter to it.
+    bool any_category = false;
 
     [[nodiscard]] constexpr bool sees(const proxy_filter& p) const {
-        return (p.category & mask) != 0 && (category & p.mask) != 0 && (movable || !p.movable);
+        return (any_category || ((p.category & mask) != 0 && (category & p.mask) != 0)) && (movable || !p.movable) &&
+               (!except || p.owner != except.index);
     }
 };
 

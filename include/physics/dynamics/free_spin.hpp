@@ -117,9 +117,9 @@ struct free_spin<S, 3> {
         first = inverse_of<S>(inverse[0]);
         second = inverse_of<S>(inverse[1] - inverse[0]);
         third = inverse_of<S>(inverse[2] - inverse[0]);
-        const double unequal = abs(inverse[1] - inverse[0]), most = static_cast<double>(scalar_traits<S>::max()) / 2;
-        const double limit = unequal > 0x1p-13 * inverse[0] ? 0.5 / abs(inverse[2] - inverse[0]) : most;
-        reach = S(limit < most ? limit : most);
+        const double unequal = abs(inverse[1] - inverse[0]), maximum = static_cast<double>(scalar_traits<S>::max()) / 2;
+        const double limit = unequal > 0x1p-13 * inverse[0] ? 0.5 / abs(inverse[2] - inverse[0]) : maximum;
+        reach = S(limit < maximum ? limit : maximum);
     }
 
 private:

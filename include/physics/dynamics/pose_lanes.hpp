@@ -198,8 +198,8 @@ private:
         turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
         turn_about(axes.z, axes.x, axes.y, axes.w, seen.x, seen.y, mul<S>(third, seen.z) * whole, far);
         turn_about(axes.y, axes.z, axes.x, axes.w, seen.z, seen.x, mul<S>(second, seen.y) * half, far);
-        const P most = max(max(lane_abs(momentum.x), lane_abs(momentum.y)), lane_abs(momentum.z));
-        far |= greater(most * whole, P::load(of.reach)).bits();
+        const P largest = max(max(lane_abs(momentum.x), lane_abs(momentum.y)), lane_abs(momentum.z));
+        far |= greater(largest * whole, P::load(of.reach)).bits();
         const auto of_gyroscopic = [&](const P& then, const P& otherwise) PHYSICS_HPP_INLINE_LAMBDA {
             return select_greater(moments.x, zero, then, otherwise);
         };

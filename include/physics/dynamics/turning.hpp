@@ -40,11 +40,11 @@ constexpr vec<S, 3> turn_gyroscopic(const free_spin<S, 3>& spin, rotation<S, 3>&
     const auto turn_about = [&](int axis, inverse_of<S> by, S time) {
         if (by != inverse_of<S>(0)) axis_turn<S>(mul<S>(by, seen[axis]) * time).apply(axis, axes, seen);
     };
-    S most{}, part = h;
-    for (int i = 0; i < 3; ++i) most = max(most, abs(momentum[i]));
+    S largest{}, part = h;
+    for (int i = 0; i < 3; ++i) largest = max(largest, abs(momentum[i]));
     int parts = 1;
-    if (most * h > spin.reach)
-        for (; parts < 1024 && most * part > spin.reach * S(0.25); parts *= 2) part = part * S(0.5);
+    if (largest * h > spin.reach)
+        for (; parts < 1024 && largest * part > spin.reach * S(0.25); parts *= 2) part = part * S(0.5);
     for (int n = 0; n < parts; ++n) {
         turn_about(1, spin.second, part * S(0.5));
         turn_about(2, spin.third, part);

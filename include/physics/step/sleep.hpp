@@ -110,7 +110,8 @@ void wake_islands(const wake_input<Plan>& w, Each&& each) {
     each([&](std::uint32_t body) { any = wake_island(w, body) || any; });
     if (any) return_contacts(w);
 }
-/// Wakes those that lie where a body is, or on its way to another pose, and those that joints hold to it.
+/// Wakes those that lie where a body is, or on its way to another pose, if it meets them, and those that joints hold to
+/// it.
 template <class Plan>
 void wake_near(const wake_input<Plan>& w, std::uint32_t body,
                const transform<typename Plan::scalar, Plan::dimension>& to) {
@@ -119,8 +120,9 @@ void wake_near(const wake_input<Plan>& w, std::uint32_t body,
     near.clear();
     each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto& shape) {
         const auto box = merged(query_bounds(w, shape), bounds(shape.shape, to * shape.local));
-        each_near(w, box, query_filter{}, [&](std::uint32_t other) {
-            if (w.sleep.is_asleep(w.shapes[other].body)) near.push_back(w.shapes[other].body);
+        each_near(w, box, query_filter{.any_category = true}, [&](std::uint32_t other) {
+            const auto& there = w.shapes[other];
+            if (w.sleep.is_asleep(there.body) && may_meet(shape.filter, there.filter)) near.push_back(there.body);
             return true;
         });
     });

@@ -27,11 +27,12 @@ struct shape_record {
     vec<S, D> r;
     [[no_unique_address]] stored_material<S, D, typename Plan::features> material;
     S density{};
+    collision_filter filter;
     std::uint32_t body = 0;
     /// The body's shape of the next lower number.
     std::uint32_t next = no_shape;
     std::uint64_t user_data = 0;
-    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, body, next, user_data)
+    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, filter, body, next, user_data)
 };
 
 /// The shapes of a world. It is one of the owners of the geometry that its shapes are made of.
@@ -221,7 +222,8 @@ auto query_bounds(const World& w, const shape_record<Plan>& shape) {
 /// What the broadphase knows of a shape besides.
 template <class World, class Plan>
 proxy_filter filter_of(const World& w, const shape_record<Plan>& shape) {
-    return {.owner = shape.body, .movable = is_awake_dynamic(w.bodies, w.sleep, shape.body)};
+    const collision_filter& f = shape.filter;
+    return {f.category, f.mask, f.group, shape.body, is_awake_dynamic(w.bodies, w.sleep, shape.body)};
 }
 template <class Plan>
 void configure_broadphase(state<Plan>& s) {
@@ -253,10 +255,11 @@ template <class Plan>
 void reinsert_proxies(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
                       const sleep_of<Plan>& sleep, typename Plan::scalar margin, typename Plan::broadphase& broadphase,
                       std::uint32_t body) {
-    const proxy_filter filter{.owner = body, .movable = is_awake_dynamic(bodies, sleep, body)};
+    const bool movable = is_awake_dynamic(bodies, sleep, body);
     each_shape(bodies, shapes, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
         broadphase.erase(i);
-        broadphase.insert(i, box_within(margin, shape), filter);
+        const collision_filter& f = shape.filter;
+        broadphase.insert(i, box_within(margin, shape), {f.category, f.mask, f.group, body, movable});
     });
 }
 template <class Plan>

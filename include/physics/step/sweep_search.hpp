@@ -36,15 +36,15 @@ protected:
             box.upper[i] = static_cast<S>(path.upper[i] + pose_error * (abs(path.upper[i]) + 1));
         }
         if (!is_box(box)) return false;
-        const proxy_filter own{.owner = body, .movable = true};
         const auto add = [&](std::uint32_t shape) {
             const auto& record = in_.shapes[shape];
+            if (record.body == body) return;
             if (!everything && in_.bodies[record.body].type != body_type::static_body) return;
             if constexpr (Plan::has_joints)
                 if (in_.joints.keep_apart(body, record.body)) return;
-            if (may_meet(own, filter_of(in_, record))) found.push_back(shape);
+            found.push_back(shape);
         };
-        each_near(in_, box, query_filter{.category = all_categories, .movable = everything}, add);
+        each_near(in_, box, query_filter{.movable = everything, .any_category = true}, add);
         if (everything)
             for (const auto& partner : data_.moving_bodies)
                 if (overlap(partner.box, path))
@@ -79,16 +79,17 @@ protected:
             record.shape.visit([&](const auto& shape) {
                 each_swept_piece(shape, everywhere(record.local.rotation),
                                  [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
-                                     sweep_piece(m, path, c, axes * turned, axes * where + at);
+                                     sweep_piece(m, path, record.filter, c, axes * turned, axes * where + at);
                                  });
             });
         });
     }
-    PHYSICS_HPP_COLD void sweep_piece(swept_body_type& m, const body_sweep& path, const core<D>& piece,
-                                      const mat<double, D>& axes, const point<D>& at) {
+    PHYSICS_HPP_COLD void sweep_piece(swept_body_type& m, const body_sweep& path, const collision_filter& filter,
+                                      const core<D>& piece, const mat<double, D>& axes, const point<D>& at) {
         const double thickness = inradius_of<Plan::few_corners>(piece);
         for (const std::uint64_t k : data_.candidates) {
             const auto& record = in_.shapes[static_cast<std::uint32_t>(k)];
+            if (!may_meet(filter, record.filter)) continue;
             const body_sweep other = motion_of(record.body);
             const obstacle o{
                 other,

@@ -93,6 +93,7 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     record.local = {def.position, normalized(def.rotation)};
     if constexpr (Plan::features::materials) record.material = def.material;
     record.density = def.density;
+    record.filter = def.filter;
     record.body = body;
     record.user_data = def.user_data;
     update_pose(record, owner.pose(), owner.center);
@@ -256,6 +257,22 @@ void set_material(world_data<Plan>& s, shape_id id, const material<typename Plan
     if (!at || !check_material<Plan>("set_material", m)) return;
     wake_affected(s, s.shapes[at.index].body);
     s.shapes[at.index].material = m;
+}
+
+/// Contacts with what the shape meets no longer go at once; others keep their impulses.
+template <class Plan>
+void set_filter(world_data<Plan>& s, std::uint32_t index, const collision_filter& filter) {
+    auto& shape = s.shapes[index];
+    if (filter == shape.filter) return;
+    wake_affected(s, shape.body);
+    shape.filter = filter;
+    drop_contacts(s, [&](const auto& c) {
+        return (c.shape_a == index || c.shape_b == index) &&
+               !may_meet(s.shapes[c.shape_a].filter, s.shapes[c.shape_b].filter);
+    });
+    s.broadphase.erase(index);
+    s.broadphase.insert(index, query_bounds(s, shape), filter_of(s, shape));
+    wake_near(s, shape.body);
 }
 
 template <class Plan>

@@ -74,6 +74,8 @@ public:
         add(material.rolling_resistance);
         add(material.surface_velocity);
         add(s.density);
+        add(std::uint64_t{s.filter.category} << 32 | s.filter.mask);
+        add(std::uint64_t{static_cast<std::uint32_t>(s.filter.group)});
         const auto box = bounds(s.shape, s.local);
         add(box.lower);
         add(box.upper);

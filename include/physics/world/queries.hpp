@@ -85,6 +85,10 @@ void each_on(const state<Plan>& s, const ray<typename Plan::scalar, Plan::dimens
         });
     }
 }
+template <class Plan>
+bool check_filter(const state<Plan>& s, const char* function, const query_filter& filter) {
+    return !filter.except || find(s, s.bodies, filter.except, function, "except");
+}
 template <class S, int D>
 bool check_translation(const char* function, const char* from, vec<S, D> origin, vec<S, D> translation) {
     return check_finite(function, from, origin) && check_finite(function, "translation", translation) &&
@@ -97,7 +101,7 @@ template <class Plan, class Visit>
 void cast_ray(const state<Plan>& s, const char* function, vec<typename Plan::scalar, Plan::dimension> origin,
               vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter, Visit&& visit) {
     using S = typename Plan::scalar;
-    if (!check_translation(function, "origin", origin, translation)) return;
+    if (!check_translation(function, "origin", origin, translation) || !check_filter(s, function, filter)) return;
     S limit(1);
     each_on(s, {origin, translation}, filter, [&](std::uint32_t i) {
         const auto& shape = s.shapes[i];
@@ -124,7 +128,7 @@ world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
     const char* f = "cast_shape";
     world_hit<S, D> first;
     if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation) ||
-        !check_translation(f, "position", pose.position, translation))
+        !check_translation(f, "position", pose.position, translation) || !check_filter(s, f, filter))
         return first;
     const aabb<S, D> box = bounds(shape, pose);
     if (!check_extent(f, box)) return first;
@@ -155,7 +159,7 @@ void find_touched(const state<Plan>& s, const char* f, const Shape& shape,
                   const transform<typename Plan::scalar, Plan::dimension>& pose, const query_filter& filter,
                   Found&& found) {
     using S = typename Plan::scalar;
-    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation)) return;
+    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation) || !check_filter(s, f, filter)) return;
     const auto box = bounds(shape, pose);
     if (!check_extent(f, box)) return;
     each_near(s, box, filter, [&](std::uint32_t i) {
@@ -210,7 +214,8 @@ closest_hit<typename Plan::scalar, Plan::dimension> closest_shape(const state<Pl
     constexpr int D = Plan::dimension;
     const char* f = "closest_shape";
     closest_hit<S, D> best;
-    if (!check_finite(f, "point", point) || !check_not_negative(f, "reach", reach)) return best;
+    if (!check_finite(f, "point", point) || !check_not_negative(f, "reach", reach) || !check_filter(s, f, filter))
+        return best;
     each_near(s, around(point, reach), filter, [&](std::uint32_t i) {
         const transform<S, D> at = s.shapes[i].pose;
         s.shapes[i].shape.visit([&](const auto& other) {

@@ -78,6 +78,8 @@ struct shape_def {
     /// kg/m^3 in 3D, kg/m^2 in 2D; at least 0. Only ratios matter until forces act.
     S density = S(1);
     physics::material<S, D> material = {};
+    /// Which other shapes it meets.
+    collision_filter filter = {};
     std::uint64_t user_data = 0;
 };
 template <class S, int D>
@@ -85,6 +87,7 @@ struct shape_def<S, D, false> {
     vec<S, D> position = {};
     physics::rotation<S, D> rotation = {};
     S density = S(1);
+    collision_filter filter = {};
     std::uint64_t user_data = 0;
 };
 
@@ -99,19 +102,6 @@ struct joint_def {
     double break_force = 0, break_torque = 0;
     std::uint64_t user_data = 0;
 };
-
-/// Tells handles of bodies from others.
-struct body_tag;
-/// Tells handles of shapes from others.
-struct shape_tag;
-/// Tells handles of joints from others.
-struct joint_tag;
-/// Names a body of a world.
-using body_id = handle<body_tag>;
-/// Names a shape of a world.
-using shape_id = handle<shape_tag>;
-/// Names a joint of a world.
-using joint_id = handle<joint_tag>;
 
 /// A joint that broke in the last step, and what it gave in that.
 template <class S, int D>

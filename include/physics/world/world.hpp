@@ -3,6 +3,7 @@
 
 #include "physics/world/energy.hpp"
 #include "physics/world/joints.hpp"
+#include "physics/world/query_functions.hpp"
 #include "physics/world/world_code.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -20,7 +21,8 @@ PHYSICS_HPP_BEGIN
 template <class Recipe, class Plan = typename detail::plan_of<Recipe>::type>
 class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar,
                                            detail::plan_of<Recipe>::type::dimension>,
-              public joint_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
+              public joint_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
+              public query_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
     friend detail::world_access;
     using plan = typename detail::plan_of<Recipe>::type;
     using of_joints = joint_functions<world, plan>;
@@ -325,50 +327,20 @@ public:
     void set_material(shape_id id, const material_type& m) requires(plan::features::materials) {
         detail::scoped([&] { detail::set_material(data_, id, m); });
     }
+    [[nodiscard]] collision_filter filter(shape_id id) const {
+        return get(id, "filter", [](const auto& s) { return s.filter; });
+    }
+    /// Changes which shapes a shape meets. Contacts with those that it meets no longer are gone at once, others keep
+    /// their impulses; sleepers that it begins or ceases to touch wake. O(contacts + shapes of its body).
+    void set_filter(shape_id id, const collision_filter& filter) {
+        const auto s = detail::find_shape(data_, id, "set_filter");
+        if (s) code::set_filter(data_, s.index, filter);
+    }
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });
     }
     void set_user_data(shape_id id, std::uint64_t data) {
         if (const auto s = detail::find_shape(data_, id, "set_user_data")) data_.shapes[s.index].user_data = data;
-    }
-
-    /// Queries see shapes where they are now; the filter says which (see query_filter). O(log shapes) where the
-    /// broadphase answers queries, as those of the library do; else O(shapes).
-    /// The first shape that a ray meets on its way from a point, along a translation (m); of several at once that of
-    /// the least number.
-    [[nodiscard]] world_hit cast_ray(vec origin, vec translation, const query_filter& filter = {}) const {
-        return code::cast_ray(data_, origin, translation, filter);
-    }
-    /// Visitors are called after all has been found, so that they may change the world, or step it: what has been
-    /// destroyed by then is left out.
-    /// Calls visit(hit) for shapes that the ray meets, in their order along it. visit returns the fraction of the
-    /// translation up to which the ray goes on: 1 for all, -1 to stop. To find the first alone, cast_ray is faster.
-    template <class Visit>
-    void each_hit_along_ray(vec origin, vec translation, const query_filter& filter, Visit&& visit) const {
-        detail::each_hit_along_ray(data_, origin, translation, filter, visit);
-    }
-    /// The first shape that a convex shape meets on its way from a pose along a translation, without turning.
-    template <class Shape>
-    [[nodiscard]] world_hit cast_shape(const Shape& shape, const transform& pose, vec translation,
-                                       const query_filter& filter = {}) const {
-        return detail::scoped([&] { return detail::cast_shape(data_, shape, pose, translation, filter); });
-    }
-    /// Calls visit(shape_id) for every shape that a convex shape at that pose touches or overlaps, in ascending order
-    /// of numbers. Where visit returns a bool, false ends the query.
-    template <class Shape, class Visit>
-    void each_overlapping(const Shape& shape, const transform& pose, const query_filter& filter, Visit&& visit) const {
-        detail::each_overlapping(data_, "each_overlapping", shape, pose, filter, visit);
-    }
-    /// The same for shapes that hold a point.
-    template <class Visit>
-    void each_at(vec point, const query_filter& filter, Visit&& visit) const {
-        if (detail::check_finite("each_at", "point", point))
-            detail::each_overlapping(data_, "each_at", detail::point_shape<scalar, dimension>{}, {point, {}}, filter,
-                                     visit);
-    }
-    /// The shape closest to a point, none farther than `reach` (m).
-    [[nodiscard]] closest_hit closest_shape(vec point, scalar reach, const query_filter& filter = {}) const {
-        return code::closest_shape(data_, point, reach, filter);
     }
 
 private:

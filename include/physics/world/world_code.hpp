@@ -52,6 +52,7 @@ struct world_code {
     static void set_mass(data& s, std::uint32_t body, const mass_properties<S, D>& mass);
     static void reset_mass(data& s, std::uint32_t body);
     static void set_rotation_locked(data& s, std::uint32_t body, bool locked);
+    static void set_filter(data& s, std::uint32_t shape, const collision_filter& filter);
 
     static hit cast_ray(const state& s, vec origin, vec translation, const query_filter& filter);
     static void find_hits(const state& s, vec origin, vec translation, const query_filter& filter, hits& to);
@@ -146,6 +147,10 @@ void world_code<Plan>::reset_mass(data& s, std::uint32_t body) {
 template <class Plan>
 void world_code<Plan>::set_rotation_locked(data& s, std::uint32_t body, bool locked) {
     if constexpr (Plan::rotates) scoped([&] { detail::set_rotation_locked(s, body, locked); });
+}
+template <class Plan>
+void world_code<Plan>::set_filter(data& s, std::uint32_t shape, const collision_filter& filter) {
+    scoped([&] { detail::set_filter(s, shape, filter); });
 }
 
 template <class Plan>

@@ -1,0 +1,57 @@
+// What users ask a world for.
+#pragma once
+
+#include "physics/world/world_code.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// The queries of a world. They see shapes where they are now; the filter says which (see query_filter). O(log shapes)
+/// where the broadphase answers queries, as those of the library do; else O(shapes). Visitors are called after all has
+/// been found, so that they may change the world, or step it: what has been destroyed by then is left out.
+template <class World, class Plan>
+class query_functions {
+    static constexpr int D = Plan::dimension;
+    using S = typename Plan::scalar;
+
+public:
+    /// The first shape that a ray meets on its way from a point, along a translation (m); of several at once that of
+    /// the least number.
+    [[nodiscard]] world_hit<S, D> cast_ray(vec<S, D> origin, vec<S, D> translation,
+                                           const query_filter& filter = {}) const {
+        return detail::world_code<Plan>::cast_ray(state(), origin, translation, filter);
+    }
+    /// Calls visit(hit) for shapes that the ray meets, in their order along it. visit returns the fraction of the
+    /// translation up to which the ray goes on: 1 for all, -1 to stop. To find the first alone, cast_ray is faster.
+    template <class Visit>
+    void each_hit_along_ray(vec<S, D> origin, vec<S, D> translation, const query_filter& filter, Visit&& visit) const {
+        detail::each_hit_along_ray(state(), origin, translation, filter, visit);
+    }
+    /// The first shape that a convex shape meets on its way from a pose along a translation, without turning.
+    template <class Shape>
+    [[nodiscard]] world_hit<S, D> cast_shape(const Shape& shape, const transform<S, D>& pose, vec<S, D> translation,
+                                             const query_filter& filter = {}) const {
+        return detail::scoped([&] { return detail::cast_shape(state(), shape, pose, translation, filter); });
+    }
+    /// Calls visit(shape_id) for every shape that a convex shape at that pose touches or overlaps, in ascending order
+    /// of numbers. Where visit returns a bool, false ends the query.
+    template <class Shape, class Visit>
+    void each_overlapping(const Shape& shape, const transform<S, D>& pose, const query_filter& filter,
+                          Visit&& visit) const {
+        detail::each_overlapping(state(), "each_overlapping", shape, pose, filter, visit);
+    }
+    /// The same for shapes that hold a point.
+    template <class Visit>
+    void each_at(vec<S, D> point, const query_filter& filter, Visit&& visit) const {
+        if (detail::check_finite("each_at", "point", point))
+            detail::each_overlapping(state(), "each_at", detail::point_shape<S, D>{}, {point, {}}, filter, visit);
+    }
+    /// The shape closest to a point, none farther than `reach` (m).
+    [[nodiscard]] closest_hit<S, D> closest_shape(vec<S, D> point, S reach, const query_filter& filter = {}) const {
+        return detail::world_code<Plan>::closest_shape(state(), point, reach, filter);
+    }
+
+private:
+    const auto& state() const { return detail::world_access::state_of(static_cast<const World&>(*this)); }
+};
+
+PHYSICS_HPP_END
