@@ -32301,26 +32301,35 @@ void wake_islands(const wake_input<Plan>& w, Each&& each) {
     each([&](std::uint32_t body) { any = wake_island(w, body) || any; });
     if (any) return_contacts(w);
 }
+/// Lists those asleep in a box that a shape meets.
+template <class Plan>
+void list_near(const wake_input<Plan>& w, const shape_record<Plan>& shape,
+               const aabb<typename Plan::scalar, Plan::dimension>& box) {
+    each_near(w, box, query_filter{.any_category = true}, [&](std::uint32_t other) {
+        const auto& there = w.shapes[other];
+        if (w.sleep.is_asleep(there.body) && may_meet(shape.filter, there.filter)) w.step.near.push_back(there.body);
+        return true;
+    });
+}
+/// Wakes the islands of those that are listed.
+template <class Plan>
+void wake_listed(const wake_input<Plan>& w) {
+    wake_islands(w, [&](auto&& f) {
+        for (const std::uint32_t i : w.step.near) f(i);
+    });
+}
 /// Wakes those that lie where a body is, or on its way to another pose, if it meets them, and those that joints hold to
 /// it.
 template <class Plan>
 void wake_near(const wake_input<Plan>& w, std::uint32_t body,
                const transform<typename Plan::scalar, Plan::dimension>& to) {
     if (w.sleep.sleepers == 0) return;
-    auto& near = w.step.near;
-    near.clear();
+    w.step.near.clear();
     each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto& shape) {
-        const auto box = merged(query_bounds(w, shape), bounds(shape.shape, to * shape.local));
-        each_near(w, box, query_filter{.any_category = true}, [&](std::uint32_t other) {
-            const auto& there = w.shapes[other];
-            if (w.sleep.is_asleep(there.body) && may_meet(shape.filter, there.filter)) near.push_back(there.body);
-            return true;
-        });
+        list_near(w, shape, merged(query_bounds(w, shape), bounds(shape.shape, to * shape.local)));
     });
-    each_connected(w.joints, body, [&](std::uint32_t other) { near.push_back(other); });
-    wake_islands(w, [&](auto&& f) {
-        for (const std::uint32_t i : near) f(i);
-    });
+    each_connected(w.joints, body, [&](std::uint32_t other) { w.step.near.push_back(other); });
+    wake_listed(w);
 }
 /// Wakes what kinematic bodies are going to run into.
 template <class Plan>
@@ -32841,28 +32850,28 @@ PHYSICS_HPP_COLD double reach_from(const core<D>& c, const point<D>& center) {
     return physics::sqrt(square);
 }
 
-/// Of a body: how thick its thinnest piece is, how far its cores reach from the centre of mass, and how far all of it.
+/// Of a shape on a body: how thick its thinnest piece is, how far its cores reach from the centre of mass, and how far
+/// all of it.
 template <class Plan>
-PHYSICS_HPP_COLD void measure_body(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
-                                   std::uint32_t index, body_extent<typename Plan::scalar>& to) {
+PHYSICS_HPP_COLD body_extent<typename Plan::scalar> measure_shape(const shape_record<Plan>& record,
+                                                                  const typename Plan::body& body) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const point<D> center = to_point(bodies[index].mass.center);
+    const point<D> center = to_point(body.mass.center);
     double thickness = no_limit, reach = 0, outer = 0;
-    each_shape(bodies, shapes, index, [&](std::uint32_t, const shape_record<Plan>& record) {
-        const mat<double, D> axes = to_matrix(record.local.rotation);
-        const point<D> at = transposed_times(axes, center - to_point(record.local.position));
-        record.shape.visit([&](const auto& shape) {
-            each_swept_piece(shape, everywhere(record.local.rotation),
-                             [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
-                                 const double far = reach_from(c, transposed_times(turned, at - where));
-                                 thickness = min(thickness, inradius_of<Plan::few_corners>(c));
-                                 reach = max(reach, far);
-                                 outer = max(outer, far + c.radius);
-                             });
-        });
-        // Of what has no pieces, a box.
-        if (bodies[index].is_dynamic()) return;
+    const mat<double, D> axes = to_matrix(record.local.rotation);
+    const point<D> at = transposed_times(axes, center - to_point(record.local.position));
+    record.shape.visit([&](const auto& shape) {
+        each_swept_piece(shape, everywhere(record.local.rotation),
+                         [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
+                             const double far = reach_from(c, transposed_times(turned, at - where));
+                             thickness = min(thickness, inradius_of<Plan::few_corners>(c));
+                             reach = max(reach, far);
+                             outer = max(outer, far + c.radius);
+                         });
+    });
+    // Of what has no pieces, a box.
+    if (!body.is_dynamic()) {
         const auto box = bounds(record.shape, record.local);
         double square = 0;
         for (int i = 0; i < D; ++i) {
@@ -32871,9 +32880,25 @@ PHYSICS_HPP_COLD void measure_body(const pool<typename Plan::body>& bodies, cons
             square += far * far;
         }
         outer = max(outer, physics::sqrt(square));
-    });
+    }
     const double maximum = static_cast<double>(scalar_traits<S>::max()) * 0.25;
-    to = {static_cast<S>(min(thickness, maximum)), static_cast<S>(min(reach, maximum)), min(outer, maximum)};
+    return {static_cast<S>(min(thickness, maximum)), static_cast<S>(min(reach, maximum)), min(outer, maximum)};
+}
+/// Of a body with one more shape.
+template <class S>
+body_extent<S> merged(const body_extent<S>& a, const body_extent<S>& b) {
+    return {min(a.thickness, b.thickness), max(a.reach, b.reach), max(a.outer, b.outer)};
+}
+/// Of a body, as of all its shapes.
+template <class Plan>
+body_extent<typename Plan::scalar> measure_body(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
+                                                std::uint32_t index) {
+    using S = typename Plan::scalar;
+    body_extent<S> all{static_cast<S>(static_cast<double>(scalar_traits<S>::max()) * 0.25), {}, 0};
+    each_shape(bodies, shapes, index, [&](std::uint32_t, const shape_record<Plan>& record) {
+        all = merged(all, measure_shape(record, bodies[index]));
+    });
+    return all;
 }
 
 }  // namespace detail
@@ -35233,7 +35258,15 @@ template <class Plan>
 void refresh_extent(world_data<Plan>& s, std::uint32_t index) {
     if constexpr (Plan::is_continuous) {
         s.continuous.extents.resize(s.bodies.slots());
-        measure_body<Plan>(s.bodies, s.shapes, index, s.continuous.extents[index]);
+        s.continuous.extents[index] = measure_body<Plan>(s.bodies, s.shapes, index);
+    }
+}
+/// The same where nothing has changed but that a shape has come.
+template <class Plan>
+void extend_extent(world_data<Plan>& s, const shape_record<Plan>& shape) {
+    if constexpr (Plan::is_continuous) {
+        auto& extent = s.continuous.extents[shape.body];
+        extent = merged(extent, measure_shape(shape, s.bodies[shape.body]));
     }
 }
 
@@ -35727,6 +35760,17 @@ template <class Plan>
 void wake_near(world_data<Plan>& s, std::uint32_t body) {
     wake_near(s, body, s.bodies[body].pose());
 }
+/// Wakes those that lie where a shape is, if it meets them.
+template <class Plan>
+void wake_near_shape(world_data<Plan>& s, std::uint32_t shape) {
+    if constexpr (Plan::sleeps)
+        if (s.sleep.sleepers != 0) {
+            const wake_input<Plan> w = to_wake<Plan>(s, s.step);
+            w.step.near.clear();
+            list_near(w, s.shapes[shape], query_bounds(s, s.shapes[shape]));
+            wake_listed(w);
+        }
+}
 template <class Plan>
 void wake_all(world_data<Plan>& s) {
     if constexpr (Plan::sleeps)
@@ -35856,8 +35900,10 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     while (*link != no_shape && *link > place.index) link = &s.shapes[*link].next;
     s.shapes[place.index].next = std::exchange(*link, place.index);
     s.broadphase.insert(place.index, box, filter_of(s, record));
-    refresh_mass(s, body);
-    wake_near(s, body);
+    // What is not dynamic takes no mass from it: n shapes on one body cost O(n).
+    if (owner.is_dynamic()) refresh_mass(s, body);
+    else extend_extent(s, s.shapes[place.index]);
+    wake_near_shape(s, place.index);
     return {place.index, place.generation, s.tag};
 }
 
@@ -36019,7 +36065,7 @@ void set_filter(world_data<Plan>& s, std::uint32_t index, const collision_filter
     });
     s.broadphase.erase(index);
     s.broadphase.insert(index, query_bounds(s, shape), filter_of(s, shape));
-    wake_near(s, shape.body);
+    wake_near_shape(s, index);
 }
 
 template <class Plan>
@@ -37971,7 +38017,8 @@ public:
         if (const auto b = find(id, "destroy_body")) code::destroy_body(data_, b.index);
     }
     /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
-    /// that the scalar cannot hold. O(shapes of the body), and O(contacts) where the centre of mass moves.
+    /// that the scalar cannot hold. O(1) on static and kinematic bodies; on a dynamic one O(its shapes), and
+    /// O(contacts) where the centre of mass moves.
     template <class Shape>
     shape_id create_shape(body_id body, const Shape& shape, const shape_def& def = {}) {
         constexpr bool known = any_shape::template kind_of<Shape>() >= 0;

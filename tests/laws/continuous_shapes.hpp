@@ -276,5 +276,36 @@ CELL_CASE("what is spun on its edge gains no energy, however thin, at any subste
 }
 #endif
 
+CELL_CASE("sweeps: a body reaches as far, whether its shapes come one by one or are measured together") {
+    cell::dice dice(71);
+    for (const body_type type : {body_type::static_body, body_type::kinematic_body, body_type::dynamic_body}) {
+        world w;
+        const body_id b = w.create_body({.type = type, .position = at(1, 2)});
+        const auto& data = physics::detail::world_access::data_of(w);
+        using plan = physics::detail::plan_of<scene>::type;
+        const auto is_measured = [&] {
+            const auto all = physics::detail::measure_body<plan>(data.bodies, data.shapes, b.index);
+            const auto& known = data.continuous.extents[b.index];
+            CHECK(known.thickness == all.thickness);
+            CHECK(known.reach == all.reach);
+            CHECK(known.outer == all.outer);
+        };
+        std::vector<shape_id> shapes;
+        for (int i = 0; i < 24; ++i) {
+            const world::shape_def def{.position = dice.vec<vec>(-3, 3), .rotation = random_rotation(dice)};
+            const S size = dice.real(0.1, 1);
+            if (i % 3 == 0) shapes.push_back(w.create_shape(b, world::ball{size}, def));
+            else if (i % 3 == 1) shapes.push_back(w.create_shape(b, world::box{vec::filled(size)}, def));
+            else shapes.push_back(w.create_shape(b, world::capsule{size, dice.real(0.1, 1)}, def));
+            is_measured();
+            if (i % 5 != 4) continue;
+            w.destroy_shape(shapes[static_cast<std::size_t>(i / 2)]);
+            is_measured();
+        }
+        w.set_type(b, body_type::static_body);
+        is_measured();
+    }
+}
+
 }  // namespace continuous_shapes_laws
 }  // namespace

@@ -31,28 +31,28 @@ PHYSICS_HPP_COLD double reach_from(const core<D>& c, const point<D>& center) {
     return physics::sqrt(square);
 }
 
-/// Of a body: how thick its thinnest piece is, how far its cores reach from the centre of mass, and how far all of it.
+/// Of a shape on a body: how thick its thinnest piece is, how far its cores reach from the centre of mass, and how far
+/// all of it.
 template <class Plan>
-PHYSICS_HPP_COLD void measure_body(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
-                                   std::uint32_t index, body_extent<typename Plan::scalar>& to) {
+PHYSICS_HPP_COLD body_extent<typename Plan::scalar> measure_shape(const shape_record<Plan>& record,
+                                                                  const typename Plan::body& body) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const point<D> center = to_point(bodies[index].mass.center);
+    const point<D> center = to_point(body.mass.center);
     double thickness = no_limit, reach = 0, outer = 0;
-    each_shape(bodies, shapes, index, [&](std::uint32_t, const shape_record<Plan>& record) {
-        const mat<double, D> axes = to_matrix(record.local.rotation);
-        const point<D> at = transposed_times(axes, center - to_point(record.local.position));
-        record.shape.visit([&](const auto& shape) {
-            each_swept_piece(shape, everywhere(record.local.rotation),
-                             [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
-                                 const double far = reach_from(c, transposed_times(turned, at - where));
-                                 thickness = min(thickness, inradius_of<Plan::few_corners>(c));
-                                 reach = max(reach, far);
-                                 outer = max(outer, far + c.radius);
-                             });
-        });
-        // Of what has no pieces, a box.
-        if (bodies[index].is_dynamic()) return;
+    const mat<double, D> axes = to_matrix(record.local.rotation);
+    const point<D> at = transposed_times(axes, center - to_point(record.local.position));
+    record.shape.visit([&](const auto& shape) {
+        each_swept_piece(shape, everywhere(record.local.rotation),
+                         [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
+                             const double far = reach_from(c, transposed_times(turned, at - where));
+                             thickness = min(thickness, inradius_of<Plan::few_corners>(c));
+                             reach = max(reach, far);
+                             outer = max(outer, far + c.radius);
+                         });
+    });
+    // Of what has no pieces, a box.
+    if (!body.is_dynamic()) {
         const auto box = bounds(record.shape, record.local);
         double square = 0;
         for (int i = 0; i < D; ++i) {
@@ -61,9 +61,25 @@ PHYSICS_HPP_COLD void measure_body(const pool<typename Plan::body>& bodies, cons
             square += far * far;
         }
         outer = max(outer, physics::sqrt(square));
-    });
+    }
     const double maximum = static_cast<double>(scalar_traits<S>::max()) * 0.25;
-    to = {static_cast<S>(min(thickness, maximum)), static_cast<S>(min(reach, maximum)), min(outer, maximum)};
+    return {static_cast<S>(min(thickness, maximum)), static_cast<S>(min(reach, maximum)), min(outer, maximum)};
+}
+/// Of a body with one more shape.
+template <class S>
+body_extent<S> merged(const body_extent<S>& a, const body_extent<S>& b) {
+    return {min(a.thickness, b.thickness), max(a.reach, b.reach), max(a.outer, b.outer)};
+}
+/// Of a body, as of all its shapes.
+template <class Plan>
+body_extent<typename Plan::scalar> measure_body(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
+                                                std::uint32_t index) {
+    using S = typename Plan::scalar;
+    body_extent<S> all{static_cast<S>(static_cast<double>(scalar_traits<S>::max()) * 0.25), {}, 0};
+    each_shape(bodies, shapes, index, [&](std::uint32_t, const shape_record<Plan>& record) {
+        all = merged(all, measure_shape(record, bodies[index]));
+    });
+    return all;
 }
 
 }  // namespace detail

@@ -110,26 +110,35 @@ void wake_islands(const wake_input<Plan>& w, Each&& each) {
     each([&](std::uint32_t body) { any = wake_island(w, body) || any; });
     if (any) return_contacts(w);
 }
+/// Lists those asleep in a box that a shape meets.
+template <class Plan>
+void list_near(const wake_input<Plan>& w, const shape_record<Plan>& shape,
+               const aabb<typename Plan::scalar, Plan::dimension>& box) {
+    each_near(w, box, query_filter{.any_category = true}, [&](std::uint32_t other) {
+        const auto& there = w.shapes[other];
+        if (w.sleep.is_asleep(there.body) && may_meet(shape.filter, there.filter)) w.step.near.push_back(there.body);
+        return true;
+    });
+}
+/// Wakes the islands of those that are listed.
+template <class Plan>
+void wake_listed(const wake_input<Plan>& w) {
+    wake_islands(w, [&](auto&& f) {
+        for (const std::uint32_t i : w.step.near) f(i);
+    });
+}
 /// Wakes those that lie where a body is, or on its way to another pose, if it meets them, and those that joints hold to
 /// it.
 template <class Plan>
 void wake_near(const wake_input<Plan>& w, std::uint32_t body,
                const transform<typename Plan::scalar, Plan::dimension>& to) {
     if (w.sleep.sleepers == 0) return;
-    auto& near = w.step.near;
-    near.clear();
+    w.step.near.clear();
     each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto& shape) {
-        const auto box = merged(query_bounds(w, shape), bounds(shape.shape, to * shape.local));
-        each_near(w, box, query_filter{.any_category = true}, [&](std::uint32_t other) {
-            const auto& there = w.shapes[other];
-            if (w.sleep.is_asleep(there.body) && may_meet(shape.filter, there.filter)) near.push_back(there.body);
-            return true;
-        });
+        list_near(w, shape, merged(query_bounds(w, shape), bounds(shape.shape, to * shape.local)));
     });
-    each_connected(w.joints, body, [&](std::uint32_t other) { near.push_back(other); });
-    wake_islands(w, [&](auto&& f) {
-        for (const std::uint32_t i : near) f(i);
-    });
+    each_connected(w.joints, body, [&](std::uint32_t other) { w.step.near.push_back(other); });
+    wake_listed(w);
 }
 /// Wakes what kinematic bodies are going to run into.
 template <class Plan>

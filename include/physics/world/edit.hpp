@@ -109,8 +109,10 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     while (*link != no_shape && *link > place.index) link = &s.shapes[*link].next;
     s.shapes[place.index].next = std::exchange(*link, place.index);
     s.broadphase.insert(place.index, box, filter_of(s, record));
-    refresh_mass(s, body);
-    wake_near(s, body);
+    // What is not dynamic takes no mass from it: n shapes on one body cost O(n).
+    if (owner.is_dynamic()) refresh_mass(s, body);
+    else extend_extent(s, s.shapes[place.index]);
+    wake_near_shape(s, place.index);
     return {place.index, place.generation, s.tag};
 }
 
@@ -272,7 +274,7 @@ void set_filter(world_data<Plan>& s, std::uint32_t index, const collision_filter
     });
     s.broadphase.erase(index);
     s.broadphase.insert(index, query_bounds(s, shape), filter_of(s, shape));
-    wake_near(s, shape.body);
+    wake_near_shape(s, index);
 }
 
 template <class Plan>

@@ -14,7 +14,15 @@ template <class Plan>
 void refresh_extent(world_data<Plan>& s, std::uint32_t index) {
     if constexpr (Plan::is_continuous) {
         s.continuous.extents.resize(s.bodies.slots());
-        measure_body<Plan>(s.bodies, s.shapes, index, s.continuous.extents[index]);
+        s.continuous.extents[index] = measure_body<Plan>(s.bodies, s.shapes, index);
+    }
+}
+/// The same where nothing has changed but that a shape has come.
+template <class Plan>
+void extend_extent(world_data<Plan>& s, const shape_record<Plan>& shape) {
+    if constexpr (Plan::is_continuous) {
+        auto& extent = s.continuous.extents[shape.body];
+        extent = merged(extent, measure_shape(shape, s.bodies[shape.body]));
     }
 }
 

@@ -42,6 +42,17 @@ template <class Plan>
 void wake_near(world_data<Plan>& s, std::uint32_t body) {
     wake_near(s, body, s.bodies[body].pose());
 }
+/// Wakes those that lie where a shape is, if it meets them.
+template <class Plan>
+void wake_near_shape(world_data<Plan>& s, std::uint32_t shape) {
+    if constexpr (Plan::sleeps)
+        if (s.sleep.sleepers != 0) {
+            const wake_input<Plan> w = to_wake<Plan>(s, s.step);
+            w.step.near.clear();
+            list_near(w, s.shapes[shape], query_bounds(s, s.shapes[shape]));
+            wake_listed(w);
+        }
+}
 template <class Plan>
 void wake_all(world_data<Plan>& s) {
     if constexpr (Plan::sleeps)

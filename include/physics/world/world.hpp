@@ -97,7 +97,8 @@ public:
         if (const auto b = find(id, "destroy_body")) code::destroy_body(data_, b.index);
     }
     /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
-    /// that the scalar cannot hold. O(shapes of the body), and O(contacts) where the centre of mass moves.
+    /// that the scalar cannot hold. O(1) on static and kinematic bodies; on a dynamic one O(its shapes), and
+    /// O(contacts) where the centre of mass moves.
     template <class Shape>
     shape_id create_shape(body_id body, const Shape& shape, const shape_def& def = {}) {
         constexpr bool known = any_shape::template kind_of<Shape>() >= 0;
