@@ -35745,27 +35745,34 @@ template <class Plan>
 void wake(world_data<Plan>& s, std::uint32_t body) {
     if constexpr (Plan::sleeps) wake_islands(to_wake<Plan>(s, s.step), [&](auto&& f) { f(body); });
 }
-/// Wakes those that touch a body, or that joints hold to it.
-template <class Plan>
-void wake_touching(world_data<Plan>& s, std::uint32_t body) {
+/// Bodies change, for which each(f) calls f(body) and is_one(body) is true: wakes the islands of those that are
+/// dynamic, and of what touches others or is held to them by joints.
+template <class Plan, class Each, class IsOne>
+void wake_affected(world_data<Plan>& s, Each&& each, IsOne&& is_one) {
     if constexpr (Plan::sleeps) {
-        auto& touching = s.step.near;
-        touching.clear();
-        for (const auto& c : s.sleep.contacts) {
-            if (c.bodies.body_a == body) touching.push_back(c.bodies.body_b);
-            if (c.bodies.body_b == body) touching.push_back(c.bodies.body_a);
-        }
-        each_connected(s.joints, body, [&](std::uint32_t other) { touching.push_back(other); });
-        wake_islands(to_wake<Plan>(s, s.step), [&](auto&& f) {
-            for (const std::uint32_t i : touching) f(i);
+        auto& affected = s.step.near;
+        affected.clear();
+        bool any_still = false;
+        each([&](std::uint32_t body) {
+            if (s.bodies[body].is_dynamic()) affected.push_back(body);
+            else {
+                any_still = true;
+                each_connected(s.joints, body, [&](std::uint32_t other) { affected.push_back(other); });
+            }
         });
+        const auto is_still = [&](std::uint32_t body) { return is_one(body) && !s.bodies[body].is_dynamic(); };
+        if (any_still)
+            for (const auto& c : s.sleep.contacts) {
+                if (is_still(c.bodies.body_a)) affected.push_back(c.bodies.body_b);
+                if (is_still(c.bodies.body_b)) affected.push_back(c.bodies.body_a);
+            }
+        wake_listed(to_wake<Plan>(s, s.step));
     }
 }
-/// A body has changed: wakes its island if it is dynamic, else the islands that touch it.
 template <class Plan>
 void wake_affected(world_data<Plan>& s, std::uint32_t body) {
-    if (s.bodies[body].is_dynamic()) wake(s, body);
-    else wake_touching(s, body);
+    wake_affected(
+        s, [&](auto&& f) { f(body); }, [&](std::uint32_t other) { return other == body; });
 }
 template <class Plan>
 void wake_near(world_data<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
@@ -35866,18 +35873,67 @@ void erase_joint(world_data<Plan>& s, std::uint32_t index) {
     s.joints.records.erase(index);
 }
 
+/// Removes bodies, for which each(f) calls f(body) and is_gone(body) is true.
+template <class Plan, class Each, class Gone>
+void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
+    wake_affected(s, each, is_gone);
+    if constexpr (Plan::has_joints)
+        each([&](std::uint32_t body) {
+            s.joints.each_of(body, [&](std::uint32_t i, const auto&) { erase_joint(s, i); });
+        });
+    drop_contacts(s, [&](const auto& c) { return is_gone(c.bodies.body_a) || is_gone(c.bodies.body_b); });
+    s.awake.is_stale = true;
+    s.memories.drop([&](std::uint32_t shape) { return is_gone(s.shapes[shape].body); });
+    each([&](std::uint32_t body) {
+        each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>&) {
+            s.broadphase.erase(i);
+            s.shapes.erase(i);
+        });
+        s.bodies.erase(body);
+    });
+}
 template <class Plan>
 void destroy_body(world_data<Plan>& s, std::uint32_t index) {
-    wake_affected(s, index);
-    if constexpr (Plan::has_joints) s.joints.each_of(index, [&](std::uint32_t i, const auto&) { erase_joint(s, i); });
-    drop_contacts(s, [&](const auto& c) { return c.bodies.body_a == index || c.bodies.body_b == index; });
-    s.awake.is_stale = true;
-    s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
-    each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
-        s.broadphase.erase(i);
-        s.shapes.erase(i);
-    });
-    s.bodies.erase(index);
+    destroy_bodies(
+        s, [&](auto&& f) { f(index); }, [&](std::uint32_t body) { return body == index; });
+}
+template <class Plan>
+void destroy_bodies(world_data<Plan>& s, const body_id* ids, std::uint32_t count) {
+    const char* f = "destroy_bodies";
+    if (count == 0 || !check_not_in_step(s, f)) return;
+    if (ids == nullptr) {
+        refuse(f, "ids", "null", "it must hold as many as are to be destroyed");
+        return;
+    }
+    bit_array gone;
+    gone.grow(s.bodies.slots());
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const lookup at = find_body(s, ids[i], f);
+        if (!at) return;
+        if (gone[at.index]) {
+            refuse(f, "body", static_cast<double>(at.index), "it must be listed once");
+            return;
+        }
+        gone.set(at.index);
+    }
+    destroy_bodies(
+        s,
+        [&](auto&& destroy) {
+            for (std::uint32_t i = 0; i < count; ++i) destroy(ids[i].index);
+        },
+        [&](std::uint32_t body) { return gone[body]; });
+}
+template <class Plan>
+void clear(world_data<Plan>& s) {
+    if (!check_not_in_step(s, "clear")) return;
+    buffer<std::uint32_t> all;
+    s.bodies.each([&](std::uint32_t i, const auto&) { all.push_back(i); });
+    destroy_bodies(
+        s,
+        [&](auto&& destroy) {
+            for (const std::uint32_t i : all) destroy(i);
+        },
+        [](std::uint32_t) { return true; });
 }
 
 /// Adds a shape that has been checked to a body; without a mass, only to one that is not dynamic.
@@ -37147,6 +37203,8 @@ struct world_code {
 
     static body_id create_body(data& s, const body_def<S, D>& def);
     static void destroy_body(data& s, std::uint32_t body);
+    static void destroy_bodies(data& s, const body_id* ids, std::uint32_t count);
+    static void clear(data& s);
     static shape_id insert_shape(data& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
                                  const typename Plan::shape_def& def);
     static void destroy_shape(data& s, std::uint32_t shape);
@@ -37196,6 +37254,14 @@ body_id world_code<Plan>::create_body(data& s, const body_def<S, D>& def) {
 template <class Plan>
 void world_code<Plan>::destroy_body(data& s, std::uint32_t body) {
     scoped([&] { detail::destroy_body(s, body); });
+}
+template <class Plan>
+void world_code<Plan>::destroy_bodies(data& s, const body_id* ids, std::uint32_t count) {
+    scoped([&] { detail::destroy_bodies(s, ids, count); });
+}
+template <class Plan>
+void world_code<Plan>::clear(data& s) {
+    scoped([&] { detail::clear(s); });
 }
 template <class Plan>
 shape_id world_code<Plan>::insert_shape(data& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
@@ -38031,6 +38097,15 @@ public:
     void destroy_body(body_id id) {
         if (const auto b = find(id, "destroy_body")) code::destroy_body(data_, b.index);
     }
+    /// Removes several at once: O(shapes + contacts) for all of them. Refused where one is listed twice.
+    void destroy_bodies(const body_id* ids, std::uint32_t count) { code::destroy_bodies(data_, ids, count); }
+    template <class Ids>
+    void destroy_bodies(const Ids& ids) requires requires {
+        ids.data(), ids.size();
+    }
+    { code::destroy_bodies(data_, ids.data(), static_cast<std::uint32_t>(ids.size())); }
+    /// Removes all bodies with all that they have; settings and the number of steps stay. O(shapes + contacts).
+    void clear() { code::clear(data_); }
     /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
     /// that the scalar cannot hold. O(1) on static and kinematic bodies; on a dynamic one O(its shapes), and
     /// O(contacts) where the centre of mass moves.

@@ -60,18 +60,67 @@ void erase_joint(world_data<Plan>& s, std::uint32_t index) {
     s.joints.records.erase(index);
 }
 
+/// Removes bodies, for which each(f) calls f(body) and is_gone(body) is true.
+template <class Plan, class Each, class Gone>
+void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
+    wake_affected(s, each, is_gone);
+    if constexpr (Plan::has_joints)
+        each([&](std::uint32_t body) {
+            s.joints.each_of(body, [&](std::uint32_t i, const auto&) { erase_joint(s, i); });
+        });
+    drop_contacts(s, [&](const auto& c) { return is_gone(c.bodies.body_a) || is_gone(c.bodies.body_b); });
+    s.awake.is_stale = true;
+    s.memories.drop([&](std::uint32_t shape) { return is_gone(s.shapes[shape].body); });
+    each([&](std::uint32_t body) {
+        each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>&) {
+            s.broadphase.erase(i);
+            s.shapes.erase(i);
+        });
+        s.bodies.erase(body);
+    });
+}
 template <class Plan>
 void destroy_body(world_data<Plan>& s, std::uint32_t index) {
-    wake_affected(s, index);
-    if constexpr (Plan::has_joints) s.joints.each_of(index, [&](std::uint32_t i, const auto&) { erase_joint(s, i); });
-    drop_contacts(s, [&](const auto& c) { return c.bodies.body_a == index || c.bodies.body_b == index; });
-    s.awake.is_stale = true;
-    s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
-    each_shape(s, index, [&](std::uint32_t i, const shape_record<Plan>&) {
-        s.broadphase.erase(i);
-        s.shapes.erase(i);
-    });
-    s.bodies.erase(index);
+    destroy_bodies(
+        s, [&](auto&& f) { f(index); }, [&](std::uint32_t body) { return body == index; });
+}
+template <class Plan>
+void destroy_bodies(world_data<Plan>& s, const body_id* ids, std::uint32_t count) {
+    const char* f = "destroy_bodies";
+    if (count == 0 || !check_not_in_step(s, f)) return;
+    if (ids == nullptr) {
+        refuse(f, "ids", "null", "it must hold as many as are to be destroyed");
+        return;
+    }
+    bit_array gone;
+    gone.grow(s.bodies.slots());
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const lookup at = find_body(s, ids[i], f);
+        if (!at) return;
+        if (gone[at.index]) {
+            refuse(f, "body", static_cast<double>(at.index), "it must be listed once");
+            return;
+        }
+        gone.set(at.index);
+    }
+    destroy_bodies(
+        s,
+        [&](auto&& destroy) {
+            for (std::uint32_t i = 0; i < count; ++i) destroy(ids[i].index);
+        },
+        [&](std::uint32_t body) { return gone[body]; });
+}
+template <class Plan>
+void clear(world_data<Plan>& s) {
+    if (!check_not_in_step(s, "clear")) return;
+    buffer<std::uint32_t> all;
+    s.bodies.each([&](std::uint32_t i, const auto&) { all.push_back(i); });
+    destroy_bodies(
+        s,
+        [&](auto&& destroy) {
+            for (const std::uint32_t i : all) destroy(i);
+        },
+        [](std::uint32_t) { return true; });
 }
 
 /// Adds a shape that has been checked to a body; without a mass, only to one that is not dynamic.

@@ -12,27 +12,34 @@ template <class Plan>
 void wake(world_data<Plan>& s, std::uint32_t body) {
     if constexpr (Plan::sleeps) wake_islands(to_wake<Plan>(s, s.step), [&](auto&& f) { f(body); });
 }
-/// Wakes those that touch a body, or that joints hold to it.
-template <class Plan>
-void wake_touching(world_data<Plan>& s, std::uint32_t body) {
+/// Bodies change, for which each(f) calls f(body) and is_one(body) is true: wakes the islands of those that are
+/// dynamic, and of what touches others or is held to them by joints.
+template <class Plan, class Each, class IsOne>
+void wake_affected(world_data<Plan>& s, Each&& each, IsOne&& is_one) {
     if constexpr (Plan::sleeps) {
-        auto& touching = s.step.near;
-        touching.clear();
-        for (const auto& c : s.sleep.contacts) {
-            if (c.bodies.body_a == body) touching.push_back(c.bodies.body_b);
-            if (c.bodies.body_b == body) touching.push_back(c.bodies.body_a);
-        }
-        each_connected(s.joints, body, [&](std::uint32_t other) { touching.push_back(other); });
-        wake_islands(to_wake<Plan>(s, s.step), [&](auto&& f) {
-            for (const std::uint32_t i : touching) f(i);
+        auto& affected = s.step.near;
+        affected.clear();
+        bool any_still = false;
+        each([&](std::uint32_t body) {
+            if (s.bodies[body].is_dynamic()) affected.push_back(body);
+            else {
+                any_still = true;
+                each_connected(s.joints, body, [&](std::uint32_t other) { affected.push_back(other); });
+            }
         });
+        const auto is_still = [&](std::uint32_t body) { return is_one(body) && !s.bodies[body].is_dynamic(); };
+        if (any_still)
+            for (const auto& c : s.sleep.contacts) {
+                if (is_still(c.bodies.body_a)) affected.push_back(c.bodies.body_b);
+                if (is_still(c.bodies.body_b)) affected.push_back(c.bodies.body_a);
+            }
+        wake_listed(to_wake<Plan>(s, s.step));
     }
 }
-/// A body has changed: wakes its island if it is dynamic, else the islands that touch it.
 template <class Plan>
 void wake_affected(world_data<Plan>& s, std::uint32_t body) {
-    if (s.bodies[body].is_dynamic()) wake(s, body);
-    else wake_touching(s, body);
+    wake_affected(
+        s, [&](auto&& f) { f(body); }, [&](std::uint32_t other) { return other == body; });
 }
 template <class Plan>
 void wake_near(world_data<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {

@@ -96,6 +96,15 @@ public:
     void destroy_body(body_id id) {
         if (const auto b = find(id, "destroy_body")) code::destroy_body(data_, b.index);
     }
+    /// Removes several at once: O(shapes + contacts) for all of them. Refused where one is listed twice.
+    void destroy_bodies(const body_id* ids, std::uint32_t count) { code::destroy_bodies(data_, ids, count); }
+    template <class Ids>
+    void destroy_bodies(const Ids& ids) requires requires {
+        ids.data(), ids.size();
+    }
+    { code::destroy_bodies(data_, ids.data(), static_cast<std::uint32_t>(ids.size())); }
+    /// Removes all bodies with all that they have; settings and the number of steps stay. O(shapes + contacts).
+    void clear() { code::clear(data_); }
     /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
     /// that the scalar cannot hold. O(1) on static and kinematic bodies; on a dynamic one O(its shapes), and
     /// O(contacts) where the centre of mass moves.

@@ -34,6 +34,8 @@ struct world_code {
 
     static body_id create_body(data& s, const body_def<S, D>& def);
     static void destroy_body(data& s, std::uint32_t body);
+    static void destroy_bodies(data& s, const body_id* ids, std::uint32_t count);
+    static void clear(data& s);
     static shape_id insert_shape(data& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
                                  const typename Plan::shape_def& def);
     static void destroy_shape(data& s, std::uint32_t shape);
@@ -83,6 +85,14 @@ body_id world_code<Plan>::create_body(data& s, const body_def<S, D>& def) {
 template <class Plan>
 void world_code<Plan>::destroy_body(data& s, std::uint32_t body) {
     scoped([&] { detail::destroy_body(s, body); });
+}
+template <class Plan>
+void world_code<Plan>::destroy_bodies(data& s, const body_id* ids, std::uint32_t count) {
+    scoped([&] { detail::destroy_bodies(s, ids, count); });
+}
+template <class Plan>
+void world_code<Plan>::clear(data& s) {
+    scoped([&] { detail::clear(s); });
 }
 template <class Plan>
 shape_id world_code<Plan>::insert_shape(data& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,

@@ -1,0 +1,114 @@
+// Removing several bodies at once: as one by one, but in one pass.
+#pragma once
+
+#include <vector>
+
+#include "refusal.hpp"
+#include "world_cell.hpp"
+
+namespace {
+namespace removal_laws {
+
+struct linked : physics::recipe<cell::scalar, cell::dimension, physics::joints<physics::distance_joint>> {};
+
+/// Columns of crates on the ground and on shelves, some of them asleep by then; joints where the recipe has them.
+template <class World>
+struct warehouse {
+    World w;
+    std::vector<body_id> bodies;
+
+    explicit warehouse(int steps, typename World::settings_type settings = {}) : w(pulled(settings)) {
+        bodies.push_back(w.create_body({.type = body_type::static_body}));
+        w.create_shape(bodies.back(), typename World::halfspace{});
+        for (int i = 0; i < 8; ++i) {
+            bodies.push_back(w.create_body(
+                {.type = i % 2 ? body_type::static_body : body_type::kinematic_body, .position = at(3 * i, 1)}));
+            w.create_shape(bodies.back(), typename World::box{vec::filled(S(1))});
+            for (int k = 0; k < 3; ++k) {
+                bodies.push_back(w.create_body({.position = at(3 * i, 2.5 + k)}));
+                w.create_shape(bodies.back(), typename World::box{vec::filled(S(0.5))});
+            }
+            const body_id roller = w.create_body({.position = at(3 * i + 1.5, 4), .can_sleep = i % 4 != 0});
+            w.create_shape(roller, typename World::ball{S(0.25)});
+            bodies.push_back(roller);
+            if constexpr (requires(World & world) { world.joints(); })
+                w.create_joint(roller, bodies[bodies.size() - 2], physics::distance_joint<S, cell::dimension>{});
+        }
+        for (int i = 0; i < steps; ++i) w.step(S(1.0 / 64));
+    }
+    static typename World::settings_type pulled(typename World::settings_type settings) {
+        settings.gravity = along(1, -10);
+        return settings;
+    }
+};
+
+template <class World>
+void as_one_by_one() {
+    cell::dice dice(4100);
+    for (const int steps : {0, 1, 40, 300})
+        for (int i = 0; i < 12; ++i) {
+            const warehouse<World> from(steps);
+            std::vector<body_id> left = from.bodies, gone;
+            while (!left.empty() && static_cast<int>(gone.size()) <= 4 * i) {
+                const auto k = left.begin() + dice.below(static_cast<int>(left.size()));
+                gone.push_back(*k);
+                left.erase(k);
+            }
+            World one_by_one = from.w, at_once = from.w;
+            for (const body_id id : gone) one_by_one.destroy_body(id);
+            at_once.destroy_bodies(gone);
+            CAPTURE(steps);
+            CAPTURE(gone.size());
+            REQUIRE(at_once.state_hash() == one_by_one.state_hash());
+            REQUIRE(at_once.awake_count() == one_by_one.awake_count());
+            for (int n = 0; n < 20; ++n) {
+                one_by_one.step(S(1.0 / 64));
+                at_once.step(S(1.0 / 64));
+            }
+            REQUIRE(at_once.state_hash() == one_by_one.state_hash());
+            for (const body_id id : gone) CHECK(!at_once.contains(id));
+            for (const body_id id : left) CHECK(at_once.contains(id));
+        }
+}
+CELL_CASE("removal: several at once leave what they leave one by one, to the bit") { as_one_by_one<world>(); }
+CELL_CASE("removal: so they do with joints") { as_one_by_one<physics::world<linked>>(); }
+
+CELL_CASE("removal: what is null, foreign, gone or listed twice is refused before anything goes") {
+    warehouse<world> of(10);
+    world& w = of.w;
+    const body_id gone = of.bodies[5];
+    w.destroy_body(gone);
+    world other;
+    const auto refuses_list = [&](std::vector<body_id> list, const char* value) {
+        refuses(w, "destroy_bodies", "body", value, [&] { w.destroy_bodies(list); });
+    };
+    refuses_list({of.bodies[1], body_id{}}, "null");
+    refuses_list({of.bodies[1], gone}, "#5");
+    refuses_list({of.bodies[1], other.create_body()}, "#0");
+    refuses_list({of.bodies[3], of.bodies[1], of.bodies[3]}, "3");
+    refuses(w, "destroy_bodies", "ids", "null", [&] { w.destroy_bodies(nullptr, 3); });
+    const facts before = facts_of(w);
+    w.destroy_bodies(nullptr, 0);
+    w.destroy_bodies(std::vector<body_id>{});
+    CHECK((facts_of(w) == before));
+}
+CELL_CASE("removal: a world that has been cleared is empty and serves again") {
+    for (const int steps : {0, 300}) {
+        warehouse<world> of(steps);
+        world& w = of.w;
+        w.clear();
+        CHECK(w.body_count() + w.shape_count() + w.awake_count() + w.contacts().size() == 0);
+        for (const body_id id : of.bodies) CHECK(!w.contains(id));
+        CHECK(w.steps() == static_cast<std::uint64_t>(steps));
+        run(w, 2);
+        w.clear();
+        add_ground(w);
+        const body_id box = add_box(w, at(0, 1));
+        run(w, 128);
+        CHECK(std::abs(number(w.position(box).y) - 0.5) <= 0.01);
+        CHECK(w.body_count() == 2);
+    }
+}
+
+}  // namespace removal_laws
+}  // namespace
