@@ -220,10 +220,14 @@ auto query_bounds(const World& w, const shape_record<Plan>& shape) {
     return box_within(w.settings.contact_margin, shape);
 }
 /// What the broadphase knows of a shape besides.
+template <class Plan>
+proxy_filter filter_of(const shape_record<Plan>& shape, bool movable) {
+    const collision_filter& f = shape.filter;
+    return {f.category, f.mask, f.group, shape.body, movable};
+}
 template <class World, class Plan>
 proxy_filter filter_of(const World& w, const shape_record<Plan>& shape) {
-    const collision_filter& f = shape.filter;
-    return {f.category, f.mask, f.group, shape.body, is_awake_dynamic(w.bodies, w.sleep, shape.body)};
+    return filter_of(shape, is_awake_dynamic(w.bodies, w.sleep, shape.body));
 }
 template <class Plan>
 void configure_broadphase(state<Plan>& s) {
@@ -258,8 +262,7 @@ void reinsert_proxies(const pool<typename Plan::body>& bodies, const shape_pool<
     const bool movable = is_awake_dynamic(bodies, sleep, body);
     each_shape(bodies, shapes, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
         broadphase.erase(i);
-        const collision_filter& f = shape.filter;
-        broadphase.insert(i, box_within(margin, shape), {f.category, f.mask, f.group, body, movable});
+        broadphase.insert(i, box_within(margin, shape), filter_of(shape, movable));
     });
 }
 template <class Plan>
