@@ -539,7 +539,7 @@ private:
     T value_{};
 };
 
-/// A T that lasts for a step: copies of it begin empty, and assigning leaves it as it is.
+/// A T that lasts for a step: copies of it begin empty, and assigning leaves its memory as it is.
 template <class T>
 struct step_scratch : T {
     using is_scratch = void;
@@ -547,7 +547,10 @@ struct step_scratch : T {
     step_scratch() = default;
     step_scratch(const step_scratch&) : T() {}
     step_scratch(step_scratch&&) noexcept = default;
-    step_scratch& operator=(const step_scratch&) { return *this; }
+    step_scratch& operator=(const step_scratch&) {
+        if constexpr (requires(T & t) { t.forget(); }) T::forget();
+        return *this;
+    }
     step_scratch& operator=(step_scratch&&) noexcept = default;
 };
 
@@ -3834,6 +3837,8 @@ struct solver {};
 struct integrator {};
 /// How fast bodies are kept from passing through others: swept.
 struct continuous {};
+/// What a step tells of: events<...>.
+struct events {};
 /// Which features are left out: without<...>.
 struct features {};
 }  // namespace stage
@@ -23205,6 +23210,10 @@ struct contact {
     std::uint8_t count = 0;
     /// Of each point a bit: 1 if the same features touched in the step before.
     std::uint8_t persisted_mask = 0;
+    /// Whether the shapes touch as the step ends, and of each point a bit: 1 if it bore something as the step began.
+    /// Known where the recipe asks for such events.
+    bool touching = false;
+    std::uint8_t loaded_mask = 0;
     contact_point<S, D, Features> points[manifold<S, D>::capacity] = {};
     /// Of both surfaces together. A contact_constraints tells them also where all contacts have them in common.
     [[no_unique_address]] detail::coefficient_of_contact<Features::friction, S, feature::friction, Features> friction{};
@@ -23227,9 +23236,9 @@ struct contact {
     [[no_unique_address]] detail::optional_member<Features::rolling_resistance, tangential<S, D>,
                                                   feature::rolling_resistance, 1>
         rolling_impulse{};
-    PHYSICS_HPP_MEMBERS(shape_a, shape_b, bodies, part, normal, r_a, r_b, count, persisted_mask, points, friction,
-                        restitution, rolling_resistance, surface_velocity, twist_impulse, substep_friction,
-                        rolling_impulse)
+    PHYSICS_HPP_MEMBERS(shape_a, shape_b, bodies, part, normal, r_a, r_b, count, persisted_mask, touching, loaded_mask,
+                        points, friction, restitution, rolling_resistance, surface_velocity, twist_impulse,
+                        substep_friction, rolling_impulse)
 
     [[nodiscard]] constexpr solver_api::anchors<S, D> anchors(int k) const {
         return {r_a + points[k].position, r_b + points[k].position};
@@ -31066,6 +31075,218 @@ void list_awake(const pool<Body>& bodies, const Sleep& sleep, awake_list& to) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/step/contact_index.hpp
+// =================================================================================================
+// The contacts of each body.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The contacts of each body: numbers in the list of those that can be pushed, and behind its end in that of sleepers.
+/// Follows from both lists, and is made when it is first asked for after they have changed. O(bodies + contacts).
+struct contact_index {
+    bool is_stale = true;
+
+    contact_index() = default;
+    contact_index(const contact_index&) {}
+    contact_index(contact_index&&) noexcept = default;
+    contact_index& operator=(const contact_index&) = delete;
+    contact_index& operator=(contact_index&&) noexcept = default;
+    ~contact_index() = default;
+
+    /// Calls f(number) for those of a body, in ascending order. Several threads may ask at once.
+    template <class Contact, class F>
+    void each(std::uint32_t bodies, const buffer<Contact>& awake, const buffer<Contact>* asleep, std::uint32_t body,
+              F&& f) {
+        update(bodies, awake, asleep);
+        // Bodies that have come since then have none.
+        if (body + 1 >= first_.size()) return;
+        for (std::uint32_t k = first_[body]; k < first_[body + 1]; ++k) f(numbers_[k]);
+    }
+
+private:
+    /// One thread at a time. Where the compiler has no such functions, worlds are asked by one thread only.
+    class lock {
+    public:
+        explicit lock(bool& taken) : taken_(taken) {
+#if defined(__GNUC__)
+            while (__atomic_test_and_set(&taken_, __ATOMIC_ACQUIRE)) {
+            }
+#endif
+        }
+        lock(const lock&) = delete;
+        lock& operator=(const lock&) = delete;
+        ~lock() {
+#if defined(__GNUC__)
+            __atomic_clear(&taken_, __ATOMIC_RELEASE);
+#endif
+        }
+
+    private:
+        bool& taken_;
+    };
+
+    template <class Contact>
+    void update(std::uint32_t bodies, const buffer<Contact>& awake, const buffer<Contact>* asleep) {
+        const lock one_at_a_time(taken_);
+        if (!is_stale) return;
+        const auto each_end = [&](auto&& f) {
+            std::uint32_t n = 0;
+            for (const buffer<Contact>* list : {&awake, asleep})
+                if (list != nullptr)
+                    for (const Contact& c : *list) {
+                        f(c.bodies.body_a, n);
+                        f(c.bodies.body_b, n);
+                        ++n;
+                    }
+        };
+        first_.clear();
+        first_.resize(bodies + 2);
+        numbers_.resize(2 * (awake.size() + (asleep != nullptr ? asleep->size() : 0)));
+        // Counts, their sums, and then each body's place, which moves to the next one's.
+        each_end([&](std::uint32_t body, std::uint32_t) { ++first_[body + 2]; });
+        for (std::uint32_t i = 2; i < first_.size(); ++i) first_[i] += first_[i - 1];
+        each_end([&](std::uint32_t body, std::uint32_t n) { numbers_[first_[body + 1]++] = n; });
+        is_stale = false;
+    }
+
+    buffer<std::uint32_t> first_, numbers_;
+    bool taken_ = false;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/events.hpp
+// =================================================================================================
+// Events: what a step tells of contacts and sleep, where a recipe asks for it.
+
+PHYSICS_HPP_BEGIN
+
+/// Kinds of events that a recipe can ask for.
+namespace event {
+/// Shapes that begin and cease to touch.
+struct contact {};
+/// Shapes that hit each other.
+struct hit {};
+/// Bodies that fall asleep and wake up.
+struct sleep {};
+}  // namespace event
+
+/// Which events a world tells of: events<event::contact, event::hit>. None by default; others cost nothing.
+template <class... Kinds>
+struct events {
+    using stage = physics::stage::events;
+
+private:
+    template <class Kind>
+    static constexpr bool has = (std::same_as<Kinds, Kind> || ...);
+    template <class Any, class... Known>
+    static constexpr bool is_one_of = (std::same_as<Any, Known> || ...);
+
+public:
+    static constexpr bool contacts = has<event::contact>;
+    static constexpr bool hits = has<event::hit>;
+    static constexpr bool sleep = has<event::sleep>;
+    static constexpr bool known = (is_one_of<Kinds, event::contact, event::hit, event::sleep> && ...);
+};
+
+/// When events are told of.
+template <class S>
+struct event_settings {
+    /// Shapes that approach each other no faster do not hit each other (m/s, at least 0).
+    S hit_speed = S(1);
+};
+template <class S>
+bool check(const event_settings<S>& with, const char* function) {
+    return detail::check_not_negative(function, "events.hit_speed", with.hit_speed);
+}
+
+/// Two shapes that have begun to touch in the last step, or have ceased to. A is the shape of the lower number.
+struct contact_event {
+    shape_id shape_a, shape_b;
+    body_id body_a, body_b;
+    /// What users had given the shapes and their bodies.
+    std::uint64_t shape_data_a = 0, shape_data_b = 0, body_data_a = 0, body_data_b = 0;
+    /// True if one of the shapes has been destroyed.
+    bool gone = false;
+};
+
+/// Two shapes that have hit each other in the last step: at a point of their contact that bore nothing before they
+/// approached each other faster than settings().events.hit_speed. A is the shape of the lower number.
+template <class S, int D>
+struct hit_event {
+    shape_id shape_a, shape_b;
+    body_id body_a, body_b;
+    /// Where they approached each other fastest, as the step began (m), and the unit normal from A to B there.
+    vec<S, D> point, normal;
+    /// How fast they did (m/s), and what all points of the contact gave along their normals in the step (N s).
+    S approach_speed{}, impulse{};
+};
+
+namespace detail {
+
+struct no_event_settings {};
+inline bool check(const no_event_settings&, const char*) { return true; }
+
+/// What is to be told by the next step, and lasts until then.
+struct dropped_contacts {
+    /// Shapes that touched each other, and whose contacts went by what users did: as they were then.
+    buffer<contact_event> list;
+    PHYSICS_HPP_MEMBERS(list)
+};
+struct sleep_changes {
+    buffer<body_id> slept, woken;
+    PHYSICS_HPP_MEMBERS(slept, woken)
+};
+struct no_changes {};
+
+/// What the last step told, and what that followed from.
+template <class S, int D>
+struct step_events {
+    buffer<contact_event> contact_begin, contact_end;
+    buffer<hit_event<S, D>> hits;
+    buffer<body_id> slept, woken;
+    /// Pairs that have begun to touch and not ceased to, with a body that can be pushed: those of the last step, in
+    /// ascending order, unless they have to be listed anew.
+    buffer<proxy_pair> touching, now_touching;
+    bool is_stale = true;
+
+    void forget() {
+        contact_begin.clear();
+        contact_end.clear();
+        hits.clear();
+        slept.clear();
+        woken.clear();
+        is_stale = true;
+    }
+};
+struct no_events {
+    void forget() {}
+};
+template <class Plan>
+using step_events_of = std::conditional_t<Plan::events::contacts || Plan::events::hits || Plan::events::sleep,
+                                          step_events<typename Plan::scalar, Plan::dimension>, no_events>;
+
+/// Changes since the last step told of such -> what this one tells.
+template <class S, int D>
+void publish_sleep_changes(sleep_changes& changes, std::uint16_t tag, step_events<S, D>& to) {
+    to.slept.swap(changes.slept);
+    to.woken.swap(changes.woken);
+    changes.slept.clear();
+    changes.woken.clear();
+    for (auto* ids : {&to.slept, &to.woken})
+        for (body_id& id : *ids) id.world = tag;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/step/joints.hpp
 // =================================================================================================
 // The joints of a world, and those of a step.
@@ -31711,6 +31932,9 @@ struct step_data {
     buffer<proxy_pair> woken_pairs;
     buffer<contact> woken_contacts;
     [[no_unique_address]] sweep_data_of<Plan> sweep;
+    /// What the last step told, and the contacts of each body: both follow from the state, and last until that changes.
+    [[no_unique_address]] step_events_of<Plan> events;
+    mutable contact_index contacts_of;
 
     arena scratch;
     per_worker<arena> batch_scratch;
@@ -31718,6 +31942,17 @@ struct step_data {
     per_worker<manifold_list<S, D>> manifolds;
     per_worker<buffer<contact>> contacts_by_worker;
     buffer<unsigned char> tasks_done;
+
+    /// Contacts have gone from the list of those that can be pushed to that of sleepers, or back.
+    void note_contacts_moved() {
+        contacts_of.is_stale = true;
+        if constexpr (Plan::events::contacts) events.is_stale = true;
+    }
+    /// The world has come to another state than that which it stepped to.
+    void forget() {
+        events.forget();
+        contacts_of.is_stale = true;
+    }
 };
 
 /// The edges of a step's joints.
@@ -31898,6 +32133,8 @@ struct sleep_state {
     buffer<typename Plan::contact> contacts;
     /// Length of the step in which their impulses acted (s).
     S step{};
+    /// Bodies that have woken up or fallen asleep since the last step told of such.
+    [[no_unique_address]] std::conditional_t<Plan::events::sleep, sleep_changes, no_changes> changes;
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return island_next[body] != no_sleeper; }
     /// A body has come, awake.
@@ -31913,7 +32150,7 @@ struct sleep_state {
         carried_from[body] = S(-1);
         island_next[body] = no_sleeper;
     }
-    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, sleepers, contacts, step)
+    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, sleepers, contacts, step, changes)
 };
 struct no_sleep_state {
     static constexpr bool is_asleep(std::uint32_t) { return false; }
@@ -31974,13 +32211,15 @@ struct state {
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
     [[no_unique_address]] joints_of<Plan> joints;
+    /// Shapes that touched each other until users took their contacts away since the last step.
+    [[no_unique_address]] std::conditional_t<Plan::events::contacts, dropped_contacts, no_changes> dropped;
     std::uint64_t steps = 0;
     /// Lengths of the steps in which the contacts' impulses act.
     solver_api::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     unsaved<std::uint16_t> tag;
     PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
-                        sleep, continuous, joints, steps, step_lengths, tag)
+                        sleep, continuous, joints, dropped, steps, step_lengths, tag)
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
@@ -32278,7 +32517,10 @@ wake_input<Plan> to_wake(state<Plan>& s, step_data<Plan>& d) {
 template <class Plan>
 void finish_waking(const wake_input<Plan>& w) {
     for (const std::uint32_t i : w.step.woken) {
-        if (w.sleep.is_asleep(i)) --w.sleep.sleepers;
+        if (w.sleep.is_asleep(i)) {
+            --w.sleep.sleepers;
+            if constexpr (Plan::events::sleep) w.sleep.changes.woken.push_back({i, w.bodies.generation(i), 0});
+        }
         w.sleep.island_next[i] = no_sleeper;
         w.sleep.sleep_time[i] = {};
         reinsert_proxies<Plan>(w.bodies, w.shapes, w.sleep, w.settings.contact_margin, w.broadphase, i);
@@ -32309,6 +32551,7 @@ PHYSICS_HPP_NOINLINE void return_contacts(const wake_input<Plan>& w) {
     take_woken_contacts(w, [&](const auto& c) { woken.push_back(c); });
     rescale_impulses(woken.begin(), woken.end(), {w.sleep.step, w.sleep.step}, w.step_lengths);
     merge_contacts(w.contacts, woken);
+    w.step.note_contacts_moved();
 }
 /// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
 template <class Plan, class Each>
@@ -32401,6 +32644,271 @@ void commit_woken(const wake_input<Plan>& w) {
     if (w.step.woken.empty()) return;
     finish_waking(w);
     take_woken_contacts(w, [](const auto&) {});
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/touching.hpp
+// =================================================================================================
+// Which shapes touch as a step ends, and what it tells of that.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Shapes touch whose contact has pressed in the step, and those that are so close, in contact margins, as it ends.
+/// Those that touched before do so until they are farther apart: contacts that tremble tell nothing.
+inline constexpr double touch_margin = 1.0 / 20, release_margin = 1.0 / 4;
+
+/// Of each point of a contact a bit: whether it has pressed.
+template <class S, int D, class Features>
+unsigned pressed_points(const contact<S, D, Features>& c) {
+    unsigned pressed = 0;
+    for (int k = 0; k < c.count; ++k) pressed |= unsigned{c.points[k].normal_impulse > S(0)} << k;
+    return pressed;
+}
+
+/// The ids, the bodies and the user data of two shapes.
+template <class Event, class Plan>
+Event event_of(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes, proxy_pair p) {
+    const std::uint32_t a = shapes[p.a].body, b = shapes[p.b].body;
+    Event e;
+    e.shape_a = {p.a, shapes.generation(p.a), 0};
+    e.shape_b = {p.b, shapes.generation(p.b), 0};
+    e.body_a = {a, bodies.generation(a), 0};
+    e.body_b = {b, bodies.generation(b), 0};
+    if constexpr (requires { e.shape_data_a; }) {
+        e.shape_data_a = shapes[p.a].user_data;
+        e.shape_data_b = shapes[p.b].user_data;
+        e.body_data_a = bodies[a].user_data;
+        e.body_data_b = bodies[b].user_data;
+    }
+    return e;
+}
+inline proxy_pair key_of(const contact_event& e) { return {e.shape_a.index, e.shape_b.index}; }
+/// Notes a contact that goes by what a user does.
+template <class Plan>
+void note_dropped(const typename Plan::contact& c, const pool<typename Plan::body>& bodies,
+                  const shape_pool<Plan>& shapes, buffer<contact_event>& to) {
+    if (!c.touching) return;
+    // Of several contacts of a pair, which follow each other, one.
+    if (!to.empty() && key_of(to.back()) == c.key()) return;
+    to.push_back(event_of<contact_event, Plan>(bodies, shapes, c.key()));
+}
+
+/// What touching is told from.
+template <class Plan>
+struct touch_input {
+    using S = typename Plan::scalar;
+
+    const pool<typename Plan::body>& bodies;
+    const shape_pool<Plan>& shapes;
+    const awake_list& awake;
+    const sleep_of<Plan>& sleep;
+    /// The last step's.
+    const buffer<typename Plan::contact>& before;
+    const buffer<std::uint32_t>& woken;
+    S margin, h;
+    std::uint16_t tag;
+};
+
+/// Bodies as they were and as they have moved, the contacts of the step -> which of these touch; pairs that have begun
+/// to and have ceased to, hits.
+template <class Plan, class Moved>
+class touch_events {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using contact = typename Plan::contact;
+
+public:
+    touch_events(const touch_input<Plan>& in, const Moved& moved, step_events<S, D>& to)
+        : in_(in), moved_(moved), to_(to) {}
+
+    void find_touching(buffer<contact_event>& dropped, buffer<contact>& contacts) {
+        // Listed anew if anything of this fails.
+        const bool is_stale = std::exchange(to_.is_stale, true);
+        auto &before = to_.touching, &now = to_.now_touching;
+        if (is_stale) list_touching(dropped);
+        add_woken();
+        to_.contact_begin.clear();
+        to_.contact_end.clear();
+        sort_in_place(dropped.begin(), dropped.size(),
+                      [](const contact_event& x, const contact_event& y) { return key_of(x) < key_of(y); });
+        for (contact_event& e : dropped) {
+            e.gone = !in_.shapes.contains(e.shape_a.index, e.shape_a.generation) ||
+                     !in_.shapes.contains(e.shape_b.index, e.shape_b.generation);
+            // Another shape may bear its number by now.
+            if (e.gone) to_.contact_end.push_back(e);
+        }
+        if (!to_.contact_end.empty()) forget_gone(before);
+        mark_touching(before, contacts, now);
+        if (now.size() != before.size() ||
+            (now.size() > 0 && std::memcmp(now.begin(), before.begin(), now.size() * sizeof(proxy_pair)) != 0))
+            compare(before, now, dropped);
+        for (auto* events : {&to_.contact_begin, &to_.contact_end})
+            for (contact_event& e : *events) set_tags(e);
+        before.swap(now);
+        dropped.clear();
+        to_.is_stale = false;
+    }
+
+    void find_hits(const buffer<contact>& contacts, S threshold) {
+        to_.hits.clear();
+        for (std::uint32_t i = 0; i < contacts.size(); ++i) {
+            if (new_loads(contacts[i]) == 0) continue;
+            const proxy_pair pair = contacts[i].key();
+            while (i > 0 && contacts[i - 1].key() == pair) --i;
+            auto hit = event_of<hit_event<S, D>, Plan>(in_.bodies, in_.shapes, pair);
+            hit.approach_speed = threshold;
+            bool is_fast = false;
+            for (;; ++i) {
+                is_fast = take_fastest(contacts[i], hit) || is_fast;
+                for (int k = 0; k < contacts[i].count; ++k) hit.impulse += contacts[i].points[k].normal_impulse;
+                if (i + 1 == contacts.size() || !(contacts[i + 1].key() == pair)) break;
+            }
+            if (!is_fast) continue;
+            set_tags(hit);
+            to_.hits.push_back(hit);
+        }
+    }
+
+private:
+    template <class Event>
+    void set_tags(Event& e) const {
+        e.shape_a.world = e.shape_b.world = e.body_a.world = e.body_b.world = in_.tag;
+    }
+    static bool is_less(proxy_pair x, proxy_pair y) { return x < y; }
+    static void add(buffer<proxy_pair>& to, proxy_pair pair) {
+        if (to.empty() || !(to.back() == pair)) to.push_back(pair);
+    }
+    static void sort(buffer<proxy_pair>& pairs) {
+        sort_in_place(pairs.begin(), pairs.size(), is_less);
+        std::uint32_t kept = 0;
+        for (std::uint32_t i = 0; i < pairs.size(); ++i)
+            if (kept == 0 || !(pairs[kept - 1] == pairs[i])) pairs[kept++] = pairs[i];
+        pairs.resize(kept);
+    }
+
+    void list_touching(const buffer<contact_event>& dropped) {
+        auto& before = to_.touching;
+        before.clear();
+        for (const contact& c : in_.before)
+            if (c.touching) add(before, c.key());
+        if (dropped.empty()) return;
+        for (const contact_event& e : dropped) before.push_back(key_of(e));
+        sort(before);
+    }
+    /// Those of islands that this step has woken.
+    void add_woken() {
+        if constexpr (Plan::sleeps) {
+            if (in_.woken.empty()) return;
+            const auto is_woken = [&](std::uint32_t i) { return in_.bodies[i].is_dynamic() && in_.awake.has(i); };
+            for (const contact& c : in_.sleep.contacts)
+                if (c.touching && (is_woken(c.bodies.body_a) || is_woken(c.bodies.body_b)))
+                    to_.touching.push_back(c.key());
+            sort(to_.touching);
+        }
+    }
+    void forget_gone(buffer<proxy_pair>& before) const {
+        std::uint32_t kept = 0, gone = 0;
+        for (const proxy_pair p : before) {
+            while (gone < to_.contact_end.size() && key_of(to_.contact_end[gone]) < p) ++gone;
+            if (gone < to_.contact_end.size() && key_of(to_.contact_end[gone]) == p) continue;
+            before[kept++] = p;
+        }
+        before.resize(kept);
+    }
+
+    void mark_touching(const buffer<proxy_pair>& before, buffer<contact>& contacts, buffer<proxy_pair>& now) const {
+        now.clear();
+        std::uint32_t at = 0;
+        for (contact& c : contacts) {
+            const proxy_pair pair = c.key();
+            while (at < before.size() && before[at] < pair) ++at;
+            const bool touched = at < before.size() && before[at] == pair;
+            c.touching = pressed_points(c) != 0 || is_close(c, in_.margin * S(touched ? release_margin : touch_margin));
+            if (c.touching) add(now, pair);
+        }
+    }
+    [[nodiscard]] bool is_close(const contact& c, S within) const {
+        for (int k = 0; k < c.count; ++k) {
+            const auto [a, b] = c.anchors(k);
+            const vec<S, D> apart = displacement(c.bodies.body_b, b) - displacement(c.bodies.body_a, a);
+            if (c.points[k].separation + dot(c.normal, apart) <= within) return true;
+        }
+        return false;
+    }
+    /// How far a point of a body has come in the step, of where it was from the centre.
+    [[nodiscard]] vec<S, D> displacement(std::uint32_t body, const vec<S, D>& from) const {
+        const std::uint32_t k = in_.awake.index_of[body];
+        if (!(k < in_.awake.size())) return {};
+        const auto& b = in_.bodies[body];
+        vec<S, D> by = moved_[k].center - b.center;
+        if constexpr (Plan::rotates) by += moved_[k].rotation * inverse_rotate(b.rotation, from) - from;
+        return by;
+    }
+
+    /// What of two ascending lists is in one of them only.
+    void compare(const buffer<proxy_pair>& before, const buffer<proxy_pair>& now,
+                 const buffer<contact_event>& dropped) {
+        const bool any_gone = !to_.contact_end.empty();
+        std::uint32_t i = 0, k = 0, known = 0;
+        while (i < before.size() || k < now.size()) {
+            if (i < before.size() && k < now.size() && before[i] == now[k]) {
+                ++i, ++k;
+            } else if (k == now.size() || (i < before.size() && before[i] < now[k])) {
+                const proxy_pair pair = before[i++];
+                while (known < dropped.size() && key_of(dropped[known]) < pair) ++known;
+                const bool is_known = known < dropped.size() && key_of(dropped[known]) == pair;
+                to_.contact_end.push_back(is_known ? dropped[known]
+                                                   : event_of<contact_event, Plan>(in_.bodies, in_.shapes, pair));
+            } else {
+                to_.contact_begin.push_back(event_of<contact_event, Plan>(in_.bodies, in_.shapes, now[k++]));
+            }
+        }
+        if (any_gone)
+            sort_in_place(to_.contact_end.begin(), to_.contact_end.size(),
+                          [](const contact_event& x, const contact_event& y) { return key_of(x) < key_of(y); });
+    }
+
+    /// Of each point a bit: whether it has pressed in this step, but bore nothing before.
+    [[nodiscard]] static unsigned new_loads(const contact& c) { return pressed_points(c) & ~unsigned{c.loaded_mask}; }
+    /// Describes a hit by the point of new load at which the shapes approach each other faster than it says.
+    bool take_fastest(const contact& c, hit_event<S, D>& hit) const {
+        const unsigned loads = new_loads(c);
+        bool found = false;
+        for (int k = 0; k < c.count; ++k) {
+            if ((loads >> k & 1) == 0) continue;
+            const auto [a, b] = c.anchors(k);
+            const S speed = dot(c.normal, velocity_at(c.bodies.body_a, a) - velocity_at(c.bodies.body_b, b));
+            if (!(speed > hit.approach_speed)) continue;
+            found = true;
+            hit.approach_speed = speed;
+            hit.point = in_.bodies[c.bodies.body_a].center + a;
+            hit.normal = c.shape_a < c.shape_b ? c.normal : -c.normal;
+        }
+        return found;
+    }
+    /// As the step began.
+    [[nodiscard]] vec<S, D> velocity_at(std::uint32_t body, const vec<S, D>& from) const {
+        const auto v = in_.bodies[body].velocity_ahead(in_.h);
+        if constexpr (Plan::rotates) return v.linear + cross(v.angular, from);
+        else return v.linear;
+    }
+
+    const touch_input<Plan>& in_;
+    const Moved& moved_;
+    step_events<S, D>& to_;
+};
+
+/// Notes which points bear something as a step begins, by what they have inherited.
+template <class S, int D, class Features>
+void note_loads(contact<S, D, Features>* first, const contact<S, D, Features>* end) {
+    for (; first != end; ++first)
+        first->loaded_mask = static_cast<std::uint8_t>(pressed_points(*first) & first->persisted_mask);
 }
 
 }  // namespace detail
@@ -32769,6 +33277,7 @@ collide_result find_contacts(const buffer<proxy_pair>& pairs, const collide_inpu
         // be most of its impulses, and must not be stretched.
         const int maximum = in.steps < 128 ? static_cast<int>(in.steps) : 128;
         rescale_impulses(to.begin() + start, to.end(), lengths, {in.h, in.h}, typename Plan::scalar(maximum));
+        if constexpr (Plan::events::hits) note_loads(to.begin() + start, to.end());
         new (pieces + first / share) contact_chunk{worker, start, to.size(), is};
     });
     return join_chunks(in, pieces, count, d, tasks);
@@ -33123,6 +33632,7 @@ bool fall_asleep(const buffer<typename Plan::contact>& contacts, edge_range join
     bool any = false;
     sleep_judge<Plan>(contacts, joints, settings, h, awake, bodies, sleep, scratch).run([&](std::uint32_t i) {
         reinsert_proxies<Plan>(bodies, shapes, sleep, settings.contact_margin, broadphase, i);
+        if constexpr (Plan::events::sleep) sleep.changes.slept.push_back({i, bodies.generation(i), 0});
         any = true;
     });
     if (any) awake.is_stale = true;
@@ -34601,6 +35111,14 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
         return tasks.ran_all_tasks() ? step_result::out_of_range : step_result::bad_executor;
     done(step_stage::update_boxes);
 
+    // Contacts, how bodies have moved -> which shapes touch, and what is told of that, in d.events.
+    if constexpr (Plan::events::contacts || Plan::events::hits) {
+        const touch_input<Plan> to_touch{
+            s.bodies, s.shapes, s.awake, s.sleep, s.contacts, d.woken, s.settings.contact_margin, h, s.tag};
+        touch_events<Plan, decltype(moved)> events(to_touch, moved, d.events);
+        if constexpr (Plan::events::contacts) events.find_touching(s.dropped.list, d.new_contacts);
+        if constexpr (Plan::events::hits) events.find_hits(d.new_contacts, s.settings.events.hit_speed);
+    }
     // Results -> bodies and contacts. From here on nothing fails.
     publish(s, d, moved, warm, h);
     if constexpr (Plan::has_joints) break_joints(d.joints, s.bodies, s.joints, s.sleep);
@@ -34615,8 +35133,11 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
             move_contacts_to_sleepers<Plan>(s.bodies, s.step_lengths, s.contacts, s.sleep, d.new_contacts);
             if constexpr (Plan::remembers)
                 s.memories.drop([&](std::uint32_t shape) { return s.is_asleep(s.shapes[shape].body); });
+            d.note_contacts_moved();
         }
+        if constexpr (Plan::events::sleep) publish_sleep_changes(s.sleep.changes, s.tag, d.events);
     }
+    d.contacts_of.is_stale = true;
     done(step_stage::finish);
     return step_result::done;
 }
@@ -34642,7 +35163,8 @@ struct every_shape_has_a_material_of_its_own {};
 /// Numbers of a world. Lengths in metres, times in seconds, masses in kilograms; a world in other units
 /// scales the lengths and speeds here with them.
 template <class S, int D, class SolverSettings, class SleepSettings = sleep_settings<S>,
-          class Material = detail::every_shape_has_a_material_of_its_own>
+          class Material = detail::every_shape_has_a_material_of_its_own,
+          class EventSettings = detail::no_event_settings>
 struct world_settings {
     /// Acceleration of every body, times its gravity scale (m/s^2).
     vec<S, D> gravity = downward();
@@ -34656,6 +35178,8 @@ struct world_settings {
     [[no_unique_address]] SleepSettings sleeping = {};
     /// What all surfaces are made of, if the recipe leaves out materials a shape. None of them runs.
     [[no_unique_address]] Material material = {};
+    /// What counts as a hit, where the recipe asks for hits.
+    [[no_unique_address]] EventSettings events = {};
 
 private:
     static constexpr vec<S, D> downward() {
@@ -34753,6 +35277,9 @@ struct contact_view {
     body_id body_a, body_b;
     /// Which part of a concave shape touches: the number of a triangle, segment or child; 0 of convex shapes.
     std::uint32_t part;
+    /// True if a point pressed in the last step, or the surfaces were no farther apart as it ended than 1/20 of the
+    /// contact margin; where the recipe asks for event::contact, until they are 1/4 of it apart. Others are only near.
+    bool touching;
     /// Unit normal from A to B, and unit tangents (one in 2D, two in 3D), in world axes.
     vec<S, D> normal;
     physics::tangents<S, D> tangents;
@@ -34766,6 +35293,16 @@ struct contact_view {
     /// against rolling, about z in 2D and about both tangents in 3D.
     S twist_impulse;
     physics::tangential<S, D> rolling_impulse;
+
+    /// The other one of the two bodies, and the normal that points out of that to this one.
+    [[nodiscard]] body_id other(body_id body) const { return body == body_a ? body_b : body_a; }
+    [[nodiscard]] vec<S, D> normal_on(body_id body) const { return body == body_a ? -normal : normal; }
+    /// What pressed on either in the last step along the normal, of all points (N s).
+    [[nodiscard]] S normal_impulse() const {
+        S sum{};
+        for (int k = 0; k < count; ++k) sum += points[k].normal_impulse;
+        return sum;
+    }
 };
 
 PHYSICS_HPP_END
@@ -34921,11 +35458,13 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
         typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
     using solver = typename policy_for<stage::solver, soft_step, Policies...>::type::template in<space, features>;
     static constexpr bool sleeps = features::sleeping;
+    using events = typename policy_for<stage::events, physics::events<>, Policies...>::type;
     using joints = typename policy_for<stage::joints, physics::joints<>, Policies...>::type;
     static constexpr bool has_joints = !std::same_as<joints, physics::joints<>>;
     using settings =
         world_settings<S, D, typename solver::settings, std::conditional_t<sleeps, sleep_settings<S>, no_settings>,
-                       std::conditional_t<features::materials, every_shape_has_a_material_of_its_own, material<S, D>>>;
+                       std::conditional_t<features::materials, every_shape_has_a_material_of_its_own, material<S, D>>,
+                       std::conditional_t<events::hits, event_settings<S>, no_event_settings>>;
     using shape_def = physics::shape_def<S, D, features::materials>;
     using continuous = typename std::conditional_t<features::continuous,
                                                    typename policy_for<stage::continuous, swept, Policies...>::type,
@@ -34976,6 +35515,7 @@ enum class recipe_problem {
     bad_solver,
     solver_without_joints,
     bad_continuous,
+    unknown_event,
 };
 
 template <class T>
@@ -34996,18 +35536,20 @@ constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<
                              std::same_as<Stage, stage::broadphase> || std::same_as<Stage, stage::narrowphase> ||
                              std::same_as<Stage, stage::mixing> || std::same_as<Stage, stage::solver> ||
                              std::same_as<Stage, stage::integrator> || std::same_as<Stage, stage::continuous> ||
-                             std::same_as<Stage, stage::features>;
+                             std::same_as<Stage, stage::features> || std::same_as<Stage, stage::events>;
 
 /// False for a policy that claims a stage of the library's own.
 template <class Policy, class Stage = typename stage_of<Policy>::type>
-constexpr bool may_serve =
-    !std::same_as<Stage, stage::shapes> && !std::same_as<Stage, stage::joints> && !std::same_as<Stage, stage::features>;
+constexpr bool may_serve = !std::same_as<Stage, stage::shapes> && !std::same_as<Stage, stage::joints> &&
+                           !std::same_as<Stage, stage::features> && !std::same_as<Stage, stage::events>;
 template <template <class, int> class... Shapes>
 constexpr bool may_serve<shapes<Shapes...>, stage::shapes> = true;
 template <template <class, int> class... Joints>
 constexpr bool may_serve<joints<Joints...>, stage::joints> = true;
 template <class... Features>
 constexpr bool may_serve<without<Features...>, stage::features> = true;
+template <class... Kinds>
+constexpr bool may_serve<events<Kinds...>, stage::events> = true;
 
 /// How many of the policies serve the stage.
 template <class Stage, class... Policies>
@@ -35109,6 +35651,8 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
         if constexpr (of_shapes != recipe_problem::none) return of_shapes;
         else if constexpr (of_joints != recipe_problem::none) return of_joints;
         else if constexpr (!features::known) return recipe_problem::unknown_feature;
+        else if constexpr (!policy_for<stage::events, events<>, Policies...>::type::known)
+            return recipe_problem::unknown_event;
         else if constexpr (!broadphase_policy<typename policy_for<stage::broadphase, dynamic_tree, Policies...>::type,
                                               space<S, D>>)
             return recipe_problem::bad_broadphase;
@@ -35175,8 +35719,8 @@ struct audit {
                   "physics::recipe: a policy names a stage that does not exist; the stages are those of namespace "
                   "physics::stage");
     static_assert(problem != recipe_problem::not_shapes_or_without,
-                  "physics::recipe: a policy names a stage that only physics::shapes<...>, physics::joints<...> or "
-                  "physics::without<...> may serve");
+                  "physics::recipe: a policy names a stage that only physics::shapes<...>, physics::joints<...>, "
+                  "physics::without<...> or physics::events<...> may serve");
     static_assert(problem != recipe_problem::two_policies_for_a_stage,
                   "physics::recipe: two policies serve the same stage; keep one of them");
     static_assert(problem != recipe_problem::no_shapes, "physics::shapes: the set is empty; name at least one shape");
@@ -35189,6 +35733,8 @@ struct audit {
     static_assert(
         problem != recipe_problem::unknown_feature,
         "physics::without: an argument is not a feature; the features are those of namespace physics::feature");
+    static_assert(problem != recipe_problem::unknown_event,
+                  "physics::events: an argument is not an event; the events are those of namespace physics::event");
     static_assert(problem != recipe_problem::same_joint_twice, "physics::joints: a joint stands in the set twice");
     static_assert(problem != recipe_problem::not_a_joint,
                   "physics::joints: a type of the set does not model physics::joint_for; it needs a list of its "
@@ -35521,7 +36067,7 @@ bool check_settings(const typename Plan::settings& with, const char* function) {
         if (!check_material<Plan>(function, with.material, material_of_settings)) return false;
     return check_in_range(function, "gravity", with.gravity) &&
            check_not_negative(function, "contact_margin", with.contact_margin) && check(with.broadphase, function) &&
-           check(with.solver, function) && check(with.sleeping, function);
+           check(with.solver, function) && check(with.sleeping, function) && check(with.events, function);
 }
 
 /// Refuses to make a world of floating-point numbers where arithmetic would not give the same bits as
@@ -35736,6 +36282,369 @@ void advance(world_data<Plan>& s, typename Plan::scalar h, const task_runner& ta
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/base/small_buffer.hpp
+// =================================================================================================
+// A growable array whose first values are on the stack.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Like a buffer, but takes memory from the heap only for more than Few values. Not copied.
+template <class T, std::uint32_t Few>
+class small_buffer {
+    static_assert(std::is_trivially_copyable_v<T>);
+
+public:
+    // Nothing is made yet of the few.
+    small_buffer() {}  // NOLINT(modernize-use-equals-default)
+    small_buffer(const small_buffer&) = delete;
+    small_buffer& operator=(const small_buffer&) = delete;
+
+    void push_back(const T& value) {
+        if (size_ < Few) {
+            new (static_cast<void*>(few_ + size_++)) T(value);
+            return;
+        }
+        if (size_ == Few) {
+            T* const all = many_.extend(Few);
+            for (std::uint32_t i = 0; i < Few; ++i) all[i] = few_[i];
+        }
+        many_.push_back(value);
+        ++size_;
+    }
+    [[nodiscard]] std::uint32_t size() const { return size_; }
+    T* begin() { return size_ > Few ? many_.begin() : few_; }
+    T* end() { return begin() + size_; }
+    [[nodiscard]] const T* begin() const { return size_ > Few ? many_.begin() : few_; }
+    [[nodiscard]] const T* end() const { return begin() + size_; }
+
+private:
+    union {
+        T few_[Few];
+    };
+    buffer<T> many_;
+    std::uint32_t size_ = 0;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/ranges.hpp
+// =================================================================================================
+// What a loop over a world's bodies and contacts walks along.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Where a loop ends.
+struct range_end {};
+
+/// The bodies of a world, in the order of their numbers. A loop may change the world: it leaves out what has been
+/// destroyed, and goes no farther than the numbers that there were when it began.
+template <class Plan>
+class body_range {
+public:
+    explicit body_range(const state<Plan>& s) : state_(&s) {}
+    class iterator {
+    public:
+        explicit iterator(const state<Plan>& s) : state_(&s), end_(s.bodies.slots()), at_(s.bodies.next(0)) {}
+        body_id operator*() const { return {at_, state_->bodies.generation(at_), state_->tag}; }
+        iterator& operator++() {
+            at_ = state_->bodies.next(at_ + 1);
+            return *this;
+        }
+        bool operator==(range_end) const { return at_ >= end_ || at_ >= state_->bodies.slots(); }
+
+    private:
+        const state<Plan>* state_;
+        std::uint32_t end_, at_;
+    };
+    iterator begin() const { return iterator(*state_); }
+    range_end end() const { return {}; }
+
+private:
+    const state<Plan>* state_;
+};
+
+/// The shapes of one body, in descending order of their numbers. A loop may change the world: it leaves out what has
+/// been destroyed.
+template <class Plan>
+class shape_range {
+public:
+    shape_range(const state<Plan>& s, body_id body) : state_(&s), body_(body) {}
+    class iterator {
+    public:
+        iterator(const state<Plan>& s, body_id body) : state_(&s), body_(body) { go_below(no_shape); }
+        shape_id operator*() const { return {at_, state_->shapes.generation(at_), state_->tag}; }
+        iterator& operator++() {
+            if (!state_->shapes.alive(at_) || state_->shapes[at_].body != body_.index || !has_body()) go_below(at_);
+            else at_ = state_->shapes[at_].next;
+            return *this;
+        }
+        bool operator==(range_end) const { return at_ == no_shape; }
+
+    private:
+        [[nodiscard]] bool has_body() const { return state_->bodies.contains(body_.index, body_.generation); }
+        /// To the first shape below a number.
+        void go_below(std::uint32_t number) {
+            at_ = has_body() ? state_->bodies[body_.index].first_shape : no_shape;
+            while (at_ != no_shape && at_ >= number) at_ = state_->shapes[at_].next;
+        }
+
+        const state<Plan>* state_;
+        body_id body_;
+        std::uint32_t at_ = no_shape;
+    };
+    iterator begin() const { return {*state_, body_}; }
+    range_end end() const { return {}; }
+
+private:
+    const state<Plan>* state_;
+    body_id body_;
+};
+
+/// Whether the shapes of a contact touch; see contact_view.
+template <class Plan>
+bool is_touching(const state<Plan>& s, const typename Plan::contact& c) {
+    if constexpr (Plan::events::contacts) {
+        return c.touching;
+    } else {
+        if (pressed_points(c) != 0) return true;
+        const auto displacement = [&](std::uint32_t body, const auto& from) {
+            const auto& b = s.bodies[body];
+            const auto& start = s.contact_starts[body];
+            return b.center - start.position + (b.rotation * inverse_rotate(start.rotation, from) - from);
+        };
+        for (int k = 0; k < c.count; ++k) {
+            const auto [a, b] = c.anchors(k);
+            const auto apart = displacement(c.bodies.body_b, b) - displacement(c.bodies.body_a, a);
+            if (c.points[k].separation + dot(c.normal, apart) <=
+                s.settings.contact_margin * typename Plan::scalar(touch_margin))
+                return true;
+        }
+        return false;
+    }
+}
+
+template <class Plan>
+auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const std::uint32_t at_a = c.bodies.body_a, at_b = c.bodies.body_b;
+    const auto& a = s.bodies[at_a];
+    const auto& b = s.bodies[at_b];
+    contact_view<S, D> view{{c.shape_a, s.shapes.generation(c.shape_a), s.tag},
+                            {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
+                            {at_a, s.bodies.generation(at_a), s.tag},
+                            {at_b, s.bodies.generation(at_b), s.tag},
+                            c.part,
+                            is_touching(s, c),
+                            c.normal,
+                            tangents<S, D>(c.normal),
+                            {},
+                            c.count,
+                            s.surfaces.friction_of(c),
+                            s.surfaces.restitution_of(c),
+                            s.surfaces.rolling_resistance_of(c),
+                            c.surface_velocity,
+                            c.twist_impulse,
+                            c.rolling_impulse};
+    for (int k = 0; k < c.count; ++k) {
+        const auto& p = c.points[k];
+        const auto [to_a, to_b] = c.anchors(k);
+        const vec<S, D> local_a = inverse_rotate(s.contact_starts[at_a].rotation, to_a) + a.mass.center;
+        const vec<S, D> local_b = inverse_rotate(s.contact_starts[at_b].rotation, to_b) + b.mass.center;
+        view.points[k] = {a.pose() * local_a, local_a,       local_b, p.separation, p.normal_impulse,
+                          p.friction_impulse, c.persisted(k)};
+    }
+    return view;
+}
+
+/// What is seen of a contact that is gone.
+template <class S, int D>
+contact_view<S, D> no_contact() {
+    vec<S, D> any;
+    any[0] = S(1);
+    return {{}, {}, {}, {}, 0, false, any, tangents<S, D>(any), {}, 0, {}, {}, {}, {}, {}, {}};
+}
+
+/// The first contact in a list that is not before a pair.
+template <class Contact>
+std::uint32_t first_contact(const buffer<Contact>& in, proxy_pair pair) {
+    std::uint32_t at = 0;
+    for (std::uint32_t size = in.size(); size > 0;) {
+        const std::uint32_t half = size / 2;
+        const bool is_before = in[at + half].key() < pair;
+        at += is_before ? half + 1 : 0;
+        size = is_before ? size - half - 1 : half;
+    }
+    return at;
+}
+
+/// The contacts of a world's last step, in ascending order of their shapes' numbers; those of sleepers as they were
+/// when they fell asleep. A loop may change the world: each contact that lasts comes once, and none that is gone.
+template <class Plan>
+class contact_range {
+    using list = buffer<typename Plan::contact>;
+
+public:
+    explicit contact_range(const state<Plan>& s) : state_(&s) {}
+    class iterator {
+    public:
+        explicit iterator(const state<Plan>& s) : state_(&s) { find(); }
+        /// One without shapes, bodies and points if the contact is gone.
+        auto operator*() const {
+            iterator here = *this;
+            here.find();
+            const bool lasts = !here.at_end_ && here.pair_ == pair_ && here.rank_ == rank_;
+            if (lasts) return view_of(*state_, lists()[here.list_][here.first_[here.list_] + rank_]);
+            return no_contact<typename Plan::scalar, Plan::dimension>();
+        }
+        iterator& operator++() {
+            ++rank_;
+            find();
+            return *this;
+        }
+        bool operator==(range_end) const { return at_end_; }
+
+    private:
+        struct both {
+            const list &awake, &asleep;
+            const list& operator[](int k) const { return k == 0 ? awake : asleep; }
+        };
+        [[nodiscard]] both lists() const {
+            if constexpr (Plan::sleeps) return {state_->contacts, state_->sleep.contacts};
+            else return {state_->contacts, state_->contacts};
+        }
+        static constexpr int count = Plan::sleeps ? 2 : 1;
+
+        /// The contact of this rank of the pair, or else the first one of the first pair behind. A pair's contacts are
+        /// side by side in one of the lists; to wake or to fall asleep takes them to the other.
+        void find() {
+            at_end_ = false;
+            for (list_ = 0; list_ < count; ++list_) {
+                const list& in = lists()[list_];
+                first_[list_] = first_from(in, first_[list_]);
+                const std::uint32_t at = first_[list_] + rank_;
+                if (at < in.size() && in[at].key() == pair_) return;
+            }
+            proxy_pair next = pair_;
+            at_end_ = true;
+            for (int k = 0; k < count; ++k) {
+                const list& in = lists()[k];
+                while (first_[k] < in.size() && in[first_[k]].key() == pair_) ++first_[k];
+                if (first_[k] == in.size() || (!at_end_ && !(in[first_[k]].key() < next))) continue;
+                next = in[first_[k]].key();
+                list_ = k;
+                at_end_ = false;
+            }
+            pair_ = next;
+            rank_ = 0;
+        }
+        /// The first contact in a list that is not before the pair; most often where it was.
+        [[nodiscard]] std::uint32_t first_from(const list& in, std::uint32_t guess) const {
+            if (guess <= in.size() && (guess == 0 || in[guess - 1].key() < pair_) &&
+                (guess == in.size() || !(in[guess].key() < pair_)))
+                return guess;
+            return first_contact(in, pair_);
+        }
+
+        const state<Plan>* state_;
+        proxy_pair pair_{};
+        std::uint32_t rank_ = 0;
+        /// In each list, the first contact that is not before the pair.
+        std::uint32_t first_[2] = {};
+        int list_ = 0;
+        bool at_end_ = false;
+    };
+    iterator begin() const { return iterator(*state_); }
+    range_end end() const { return {}; }
+    /// Number of contacts.
+    [[nodiscard]] std::uint32_t size() const {
+        if constexpr (Plan::sleeps) return state_->contacts.size() + state_->sleep.contacts.size();
+        else return state_->contacts.size();
+    }
+
+private:
+    const state<Plan>* state_;
+};
+
+/// The contacts of one body or shape, in ascending order of their shapes' numbers. A loop may change the world: what is
+/// gone comes as no_contact.
+template <class Plan>
+class own_contact_range {
+    /// Which one of a pair's contacts it is, and where it was in its list.
+    struct place {
+        proxy_pair pair;
+        std::uint32_t rank, at;
+    };
+
+public:
+    /// Of a body, and of one of its shapes only unless that is no_shape.
+    own_contact_range(const world_data<Plan>& s, std::uint32_t body, std::uint32_t shape) : state_(&s) {
+        const buffer<typename Plan::contact>* asleep = nullptr;
+        if constexpr (Plan::sleeps) asleep = &s.sleep.contacts;
+        s.step.contacts_of.each(s.bodies.slots(), s.contacts, asleep, body, [&](std::uint32_t n) {
+            const bool is_asleep = n >= s.contacts.size();
+            const auto& in = is_asleep ? *asleep : s.contacts;
+            const std::uint32_t at = is_asleep ? n - s.contacts.size() : n;
+            if (shape != no_shape && in[at].shape_a != shape && in[at].shape_b != shape) return;
+            std::uint32_t rank = 0;
+            while (rank < at && in[at - rank - 1].key() == in[at].key()) ++rank;
+            places_.push_back({in[at].key(), rank, at});
+        });
+        sort_in_place(places_.begin(), places_.size(), [](const place& x, const place& y) {
+            return x.pair == y.pair ? x.rank < y.rank : x.pair < y.pair;
+        });
+    }
+    explicit own_contact_range(const world_data<Plan>& s) : state_(&s) {}
+
+    class iterator {
+    public:
+        iterator(const state<Plan>& s, const place* at) : state_(&s), at_(at) {}
+        auto operator*() const {
+            if (const auto* c = find(state_->contacts)) return view_of(*state_, *c);
+            if constexpr (Plan::sleeps)
+                if (const auto* c = find(state_->sleep.contacts)) return view_of(*state_, *c);
+            return no_contact<typename Plan::scalar, Plan::dimension>();
+        }
+        iterator& operator++() {
+            ++at_;
+            return *this;
+        }
+        friend bool operator==(const iterator&, const iterator&) = default;
+
+    private:
+        const typename Plan::contact* find(const buffer<typename Plan::contact>& in) const {
+            const auto is_here = [&](std::uint32_t i) { return i < in.size() && in[i].key() == at_->pair; };
+            const std::uint32_t first = at_->at - at_->rank;
+            if (is_here(at_->at) && is_here(first) && (first == 0 || !is_here(first - 1))) return &in[at_->at];
+            const std::uint32_t i = first_contact(in, at_->pair) + at_->rank;
+            return is_here(i) ? &in[i] : nullptr;
+        }
+
+        const state<Plan>* state_;
+        const place* at_;
+    };
+    [[nodiscard]] iterator begin() const { return {*state_, places_.begin()}; }
+    [[nodiscard]] iterator end() const { return {*state_, places_.end()}; }
+    /// Number of contacts.
+    [[nodiscard]] std::uint32_t size() const { return places_.size(); }
+
+private:
+    const state<Plan>* state_;
+    small_buffer<place, 16> places_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/world/wake.hpp
 // =================================================================================================
 // What is woken by what happens to a world between steps.
@@ -35828,7 +36737,11 @@ namespace detail {
 template <class Plan, class Gone>
 void drop_contacts(world_data<Plan>& s, Gone&& gone) {
     partition_contacts(
-        s.contacts, [&](const auto& c) { return !gone(c); }, [](const auto&) {});
+        s.contacts, [&](const auto& c) { return !gone(c); },
+        [&]([[maybe_unused]] const auto& c) {
+            if constexpr (Plan::events::contacts) note_dropped<Plan>(c, s.bodies, s.shapes, s.dropped.list);
+        });
+    s.step.contacts_of.is_stale = true;
 }
 
 template <class Plan>
@@ -36189,342 +37102,6 @@ void set_settings(world_data<Plan>& s, const typename Plan::settings& settings) 
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/world/ranges.hpp
-// =================================================================================================
-// What a loop over a world's bodies and contacts walks along.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Where a loop ends.
-struct range_end {};
-
-/// The bodies of a world, in the order of their numbers. A loop may change the world: it leaves out what has been
-/// destroyed, and goes no farther than the numbers that there were when it began.
-template <class Plan>
-class body_range {
-public:
-    explicit body_range(const state<Plan>& s) : state_(&s) {}
-    class iterator {
-    public:
-        explicit iterator(const state<Plan>& s) : state_(&s), end_(s.bodies.slots()), at_(s.bodies.next(0)) {}
-        body_id operator*() const { return {at_, state_->bodies.generation(at_), state_->tag}; }
-        iterator& operator++() {
-            at_ = state_->bodies.next(at_ + 1);
-            return *this;
-        }
-        bool operator==(range_end) const { return at_ >= end_ || at_ >= state_->bodies.slots(); }
-
-    private:
-        const state<Plan>* state_;
-        std::uint32_t end_, at_;
-    };
-    iterator begin() const { return iterator(*state_); }
-    range_end end() const { return {}; }
-
-private:
-    const state<Plan>* state_;
-};
-
-/// The shapes of one body, in descending order of their numbers. A loop may change the world: it leaves out what has
-/// been destroyed.
-template <class Plan>
-class shape_range {
-public:
-    shape_range(const state<Plan>& s, body_id body) : state_(&s), body_(body) {}
-    class iterator {
-    public:
-        iterator(const state<Plan>& s, body_id body) : state_(&s), body_(body) { go_below(no_shape); }
-        shape_id operator*() const { return {at_, state_->shapes.generation(at_), state_->tag}; }
-        iterator& operator++() {
-            if (!state_->shapes.alive(at_) || state_->shapes[at_].body != body_.index || !has_body()) go_below(at_);
-            else at_ = state_->shapes[at_].next;
-            return *this;
-        }
-        bool operator==(range_end) const { return at_ == no_shape; }
-
-    private:
-        [[nodiscard]] bool has_body() const { return state_->bodies.contains(body_.index, body_.generation); }
-        /// To the first shape below a number.
-        void go_below(std::uint32_t number) {
-            at_ = has_body() ? state_->bodies[body_.index].first_shape : no_shape;
-            while (at_ != no_shape && at_ >= number) at_ = state_->shapes[at_].next;
-        }
-
-        const state<Plan>* state_;
-        body_id body_;
-        std::uint32_t at_ = no_shape;
-    };
-    iterator begin() const { return {*state_, body_}; }
-    range_end end() const { return {}; }
-
-private:
-    const state<Plan>* state_;
-    body_id body_;
-};
-
-template <class Plan>
-auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    const std::uint32_t at_a = c.bodies.body_a, at_b = c.bodies.body_b;
-    const auto& a = s.bodies[at_a];
-    const auto& b = s.bodies[at_b];
-    contact_view<S, D> view{{c.shape_a, s.shapes.generation(c.shape_a), s.tag},
-                            {c.shape_b, s.shapes.generation(c.shape_b), s.tag},
-                            {at_a, s.bodies.generation(at_a), s.tag},
-                            {at_b, s.bodies.generation(at_b), s.tag},
-                            c.part,
-                            c.normal,
-                            tangents<S, D>(c.normal),
-                            {},
-                            c.count,
-                            s.surfaces.friction_of(c),
-                            s.surfaces.restitution_of(c),
-                            s.surfaces.rolling_resistance_of(c),
-                            c.surface_velocity,
-                            c.twist_impulse,
-                            c.rolling_impulse};
-    for (int k = 0; k < c.count; ++k) {
-        const auto& p = c.points[k];
-        const auto [to_a, to_b] = c.anchors(k);
-        const vec<S, D> local_a = inverse_rotate(s.contact_starts[at_a].rotation, to_a) + a.mass.center;
-        const vec<S, D> local_b = inverse_rotate(s.contact_starts[at_b].rotation, to_b) + b.mass.center;
-        view.points[k] = {a.pose() * local_a, local_a,       local_b, p.separation, p.normal_impulse,
-                          p.friction_impulse, c.persisted(k)};
-    }
-    return view;
-}
-
-/// What is seen of a contact that is gone.
-template <class S, int D>
-contact_view<S, D> no_contact() {
-    vec<S, D> any;
-    any[0] = S(1);
-    return {{}, {}, {}, {}, 0, any, tangents<S, D>(any), {}, 0, {}, {}, {}, {}, {}, {}};
-}
-
-/// The contacts of a world's last step, in ascending order of their shapes' numbers; those of sleepers as they were
-/// when they fell asleep. A loop may change the world: each contact that lasts comes once, and none that is gone.
-template <class Plan>
-class contact_range {
-    using list = buffer<typename Plan::contact>;
-
-public:
-    explicit contact_range(const state<Plan>& s) : state_(&s) {}
-    class iterator {
-    public:
-        explicit iterator(const state<Plan>& s) : state_(&s) { find(); }
-        /// One without shapes, bodies and points if the contact is gone.
-        auto operator*() const {
-            iterator here = *this;
-            here.find();
-            const bool lasts = !here.at_end_ && here.pair_ == pair_ && here.rank_ == rank_;
-            if (lasts) return view_of(*state_, lists()[here.list_][here.first_[here.list_] + rank_]);
-            return no_contact<typename Plan::scalar, Plan::dimension>();
-        }
-        iterator& operator++() {
-            ++rank_;
-            find();
-            return *this;
-        }
-        bool operator==(range_end) const { return at_end_; }
-
-    private:
-        struct both {
-            const list &awake, &asleep;
-            const list& operator[](int k) const { return k == 0 ? awake : asleep; }
-        };
-        [[nodiscard]] both lists() const {
-            if constexpr (Plan::sleeps) return {state_->contacts, state_->sleep.contacts};
-            else return {state_->contacts, state_->contacts};
-        }
-        static constexpr int count = Plan::sleeps ? 2 : 1;
-
-        /// The contact of this rank of the pair, or else the first one of the first pair behind. A pair's contacts are
-        /// side by side in one of the lists; to wake or to fall asleep takes them to the other.
-        void find() {
-            at_end_ = false;
-            for (list_ = 0; list_ < count; ++list_) {
-                const list& in = lists()[list_];
-                first_[list_] = first_from(in, first_[list_]);
-                const std::uint32_t at = first_[list_] + rank_;
-                if (at < in.size() && in[at].key() == pair_) return;
-            }
-            proxy_pair next = pair_;
-            at_end_ = true;
-            for (int k = 0; k < count; ++k) {
-                const list& in = lists()[k];
-                while (first_[k] < in.size() && in[first_[k]].key() == pair_) ++first_[k];
-                if (first_[k] == in.size() || (!at_end_ && !(in[first_[k]].key() < next))) continue;
-                next = in[first_[k]].key();
-                list_ = k;
-                at_end_ = false;
-            }
-            pair_ = next;
-            rank_ = 0;
-        }
-        /// The first contact in a list that is not before the pair; most often where it was.
-        [[nodiscard]] std::uint32_t first_from(const list& in, std::uint32_t guess) const {
-            if (guess <= in.size() && (guess == 0 || in[guess - 1].key() < pair_) &&
-                (guess == in.size() || !(in[guess].key() < pair_)))
-                return guess;
-            std::uint32_t at = 0;
-            for (std::uint32_t size = in.size(); size > 0;) {
-                const std::uint32_t half = size / 2;
-                const bool is_before = in[at + half].key() < pair_;
-                at += is_before ? half + 1 : 0;
-                size = is_before ? size - half - 1 : half;
-            }
-            return at;
-        }
-
-        const state<Plan>* state_;
-        proxy_pair pair_{};
-        std::uint32_t rank_ = 0;
-        /// In each list, the first contact that is not before the pair.
-        std::uint32_t first_[2] = {};
-        int list_ = 0;
-        bool at_end_ = false;
-    };
-    iterator begin() const { return iterator(*state_); }
-    range_end end() const { return {}; }
-    /// Number of contacts.
-    [[nodiscard]] std::uint32_t size() const {
-        if constexpr (Plan::sleeps) return state_->contacts.size() + state_->sleep.contacts.size();
-        else return state_->contacts.size();
-    }
-
-private:
-    const state<Plan>* state_;
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/world/energy.hpp
-// =================================================================================================
-// The energy of a world, and what a step does to it.
-
-PHYSICS_HPP_BEGIN
-
-/// The energy of all dynamic bodies after a step, and where it came from (J).
-struct energy_report {
-    double kinetic = 0;
-    /// In gravity, 0 where a centre of mass is at the origin.
-    double potential = 0;
-    /// What forces, torques, kinematic bodies and moving surfaces gave in the step.
-    double work = 0;
-    /// What the step gained beyond that: at most 0 but for rounding, for overlaps that were pushed apart, for what a
-    /// kinematic body took along (see swept), and for joints: what springs give back, and what they and limits push.
-    double made = 0;
-};
-
-namespace detail {
-
-template <class Plan>
-void add_energy_of_body(const state<Plan>& s, const typename Plan::body& b, energy_report& to) {
-    if (!b.is_dynamic()) return;
-    const double mass = to_double(b.mass.mass), scale = to_double(b.gravity_scale);
-    const auto v = to_point(b.velocity.linear);
-    to.kinetic += 0.5 * mass * dot(v, v);
-    if constexpr (Plan::rotates) to.kinetic += 0.5 * twice_spin_energy(b.mass.inertia, b.rotation, b.velocity.angular);
-    to.potential -= mass * scale * dot(to_point(s.settings.gravity), to_point(b.center));
-}
-template <class Plan>
-energy_report energy_of(const state<Plan>& s) {
-    energy_report sum;
-    s.bodies.each([&](std::uint32_t, const auto& b) { add_energy_of_body(s, b, sum); });
-    return sum;
-}
-
-/// Compares the energy before a step with that after it.
-template <class Plan>
-class energy_balance {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-
-public:
-    explicit energy_balance(const state<Plan>& s) : s_(s), before_(energy_of(s)) {
-        s.bodies.each([&](std::uint32_t i, const auto& b) {
-            if (b.is_dynamic() && b.has_external_force())
-                pushed_.push_back({i, b.center, b.rotation, b.force, b.torque});
-        });
-    }
-    [[nodiscard]] energy_report after() const {
-        energy_report r = energy_of(s_);
-        for (const pushed& p : pushed_) {
-            const auto& b = s_.bodies[p.body];
-            r.work += product_of(p.force, b.center - p.center);
-            if constexpr (Plan::rotates)
-                r.work += product_of(p.torque, rotation_vector(b.rotation * inverse(p.rotation)));
-        }
-        for (const auto& c : s_.contacts) r.work += work_at(c);
-        r.made = (r.kinetic + r.potential) - (before_.kinetic + before_.potential) - r.work;
-        return r;
-    }
-
-private:
-    struct pushed {
-        std::uint32_t body;
-        vec<S, D> center;
-        physics::rotation<S, D> rotation;
-        vec<S, D> force;
-        [[no_unique_address]] decltype(Plan::body::torque) torque;
-    };
-
-    static double product_of(S a, S b) { return to_double(a) * to_double(b); }
-    template <int N>
-    static double product_of(const vec<S, N>& a, const vec<S, N>& b) {
-        return dot(to_point(a), to_point(b));
-    }
-
-    /// What a kinematic body or the run of a surface gives by a contact's impulses.
-    [[nodiscard]] double work_at(const typename Plan::contact& c) const {
-        const auto &a = s_.bodies[c.bodies.body_a], &b = s_.bodies[c.bodies.body_b];
-        const bool from_a = !a.is_dynamic(), from_b = !b.is_dynamic();
-        const tangents<S, D> frame(c.normal);
-        double work = 0;
-        for (int k = 0; k < c.count; ++k) {
-            const auto& p = c.points[k];
-            vec<S, D> impulse = c.normal * p.normal_impulse;
-            if constexpr (Plan::features::friction) {
-                impulse += frame.combine(p.friction_impulse);
-                if constexpr (Plan::features::surface_velocity)
-                    work += product_of(p.friction_impulse, c.surface_velocity);
-            }
-            const auto r = c.anchors(k);
-            if (from_a) work += product_of(impulse, velocity_at(a.velocity, r.a));
-            if (from_b) work -= product_of(impulse, velocity_at(b.velocity, r.b));
-        }
-        if constexpr (Plan::rotates && D == 3 && Plan::features::friction) {
-            const vec<S, 3> twist = c.normal * c.twist_impulse;
-            if (from_a) work += product_of(twist, a.velocity.angular);
-            if (from_b) work -= product_of(twist, b.velocity.angular);
-        }
-        if constexpr (Plan::rotates && Plan::features::rolling_resistance) {
-            const angular<S, D> moment = moment_of(frame, c.rolling_impulse);
-            if (from_a) work += product_of(moment, a.velocity.angular);
-            if (from_b) work -= product_of(moment, b.velocity.angular);
-        }
-        return work;
-    }
-    static S moment_of(const tangents2<S>&, S about) { return about; }
-    static vec<S, 3> moment_of(const tangents3<S>& frame, const vec<S, 2>& about) { return frame.combine(about); }
-
-    const state<Plan>& s_;
-    energy_report before_;
-    buffer<pushed> pushed_;
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/world/forces.hpp
 // =================================================================================================
 // Forces, torques and impulses that calls apply to bodies, and velocities of their points.
@@ -36813,7 +37390,8 @@ constexpr const char* unhashed_members(const shape_record<Plan>&) {
 }
 template <class S, int D, class Features>
 constexpr const char* unhashed_members(const contact<S, D, Features>&) {
-    return "bodies, r_a, r_b, persisted_mask, friction, restitution, rolling_resistance, surface_velocity";
+    return "bodies, r_a, r_b, persisted_mask, touching, loaded_mask, friction, restitution, rolling_resistance, "
+           "surface_velocity";
 }
 template <class S, int D, class Features>
 constexpr const char* unhashed_members(const contact_point<S, D, Features>&) {
@@ -36888,54 +37466,6 @@ std::uint64_t state_hash(const state<Plan>& s) {
         }
     return h.value();
 }
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/base/small_buffer.hpp
-// =================================================================================================
-// A growable array whose first values are on the stack.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Like a buffer, but takes memory from the heap only for more than Few values. Not copied.
-template <class T, std::uint32_t Few>
-class small_buffer {
-    static_assert(std::is_trivially_copyable_v<T>);
-
-public:
-    // Nothing is made yet of the few.
-    small_buffer() {}  // NOLINT(modernize-use-equals-default)
-    small_buffer(const small_buffer&) = delete;
-    small_buffer& operator=(const small_buffer&) = delete;
-
-    void push_back(const T& value) {
-        if (size_ < Few) {
-            new (static_cast<void*>(few_ + size_++)) T(value);
-            return;
-        }
-        if (size_ == Few) {
-            T* const all = many_.extend(Few);
-            for (std::uint32_t i = 0; i < Few; ++i) all[i] = few_[i];
-        }
-        many_.push_back(value);
-        ++size_;
-    }
-    [[nodiscard]] std::uint32_t size() const { return size_; }
-    T* begin() { return size_ > Few ? many_.begin() : few_; }
-    T* end() { return begin() + size_; }
-
-private:
-    union {
-        T few_[Few];
-    };
-    buffer<T> many_;
-    std::uint32_t size_ = 0;
-};
 
 }  // namespace detail
 
@@ -37398,6 +37928,207 @@ PHYSICS_HPP_END
     extern template struct physics::detail::world_code<physics::detail::plan_of<__VA_ARGS__>::type>;
 #define PHYSICS_HPP_INSTANTIATE(...) \
     template struct physics::detail::world_code<physics::detail::plan_of<__VA_ARGS__>::type>;
+
+// =================================================================================================
+// physics/world/contact_functions.hpp
+// =================================================================================================
+// What a world tells of contacts, and what its last step did.
+
+PHYSICS_HPP_BEGIN
+
+/// Contacts and events of a world. Events are told of the last step, in ascending order of shapes' numbers, and stay
+/// until the next one, whatever changes in between; several steps a frame tell of the last one only, so read them after
+/// each (see accumulator). For each pair of shapes a begin is followed by one end, in the step after what ended it:
+/// also where a shape was destroyed, moved, filtered out or changed its type. To fall asleep ends no contact. A copy of
+/// a world, and one that is restored, has no events until it steps; then it tells what the first one would. What a
+/// refused step would have told is not told.
+template <class World, class Plan>
+class contact_functions {
+    static constexpr int D = Plan::dimension;
+    using S = typename Plan::scalar;
+
+public:
+    /// All contacts of the last step, each as a contact_view; those of sleepers as they were.
+    [[nodiscard]] auto contacts() const { return detail::contact_range<Plan>(data()); }
+    /// Those of one body, or of one shape. O(their number); O(bodies + contacts) for the first one that is asked for
+    /// after a step, or after contacts have gone.
+    [[nodiscard]] auto contacts(body_id id) const {
+        const detail::lookup at = detail::find_body(data(), id, "contacts");
+        return at ? range(data(), at.index, detail::no_shape) : range(data());
+    }
+    [[nodiscard]] auto contacts(shape_id id) const {
+        const detail::lookup at = detail::find_shape(data(), id, "contacts");
+        return at ? range(data(), data().shapes[at.index].body, at.index) : range(data());
+    }
+    /// Whether any of their contacts is touching (see contact_view). Cost: that of contacts(a).
+    [[nodiscard]] bool touching(body_id a, body_id b) const {
+        if (!detail::find_body(data(), b, "touching")) return false;
+        const detail::lookup at = detail::find_body(data(), a, "touching");
+        return at && any_touching(at.index, [&](const auto& c) { return c.other(a) == b; });
+    }
+    [[nodiscard]] bool touching(shape_id a, shape_id b) const {
+        if (!detail::find_shape(data(), b, "touching")) return false;
+        const detail::lookup at = detail::find_shape(data(), a, "touching");
+        return at && any_touching(data().shapes[at.index].body, [&](const auto& c) {
+                   return (c.shape_a == a && c.shape_b == b) || (c.shape_a == b && c.shape_b == a);
+               });
+    }
+
+    /// Shapes that have begun to touch in the last step, as contact_events, and those that have ceased to.
+    [[nodiscard]] const buffer<contact_event>& contact_begin_events() const requires(Plan::events::contacts) {
+        return data().step.events.contact_begin;
+    }
+    [[nodiscard]] const buffer<contact_event>& contact_end_events() const requires(Plan::events::contacts) {
+        return data().step.events.contact_end;
+    }
+    /// Shapes that have hit each other in the last step.
+    [[nodiscard]] const buffer<hit_event<S, D>>& hit_events() const requires(Plan::events::hits) {
+        return data().step.events.hits;
+    }
+    /// Bodies that have fallen asleep in the last step, and those that have woken up in it or between it and the one
+    /// before, in no order. They may have been destroyed since.
+    [[nodiscard]] const buffer<body_id>& sleep_events() const requires(Plan::events::sleep) {
+        return data().step.events.slept;
+    }
+    [[nodiscard]] const buffer<body_id>& wake_events() const requires(Plan::events::sleep) {
+        return data().step.events.woken;
+    }
+
+private:
+    using range = detail::own_contact_range<Plan>;
+
+    const auto& data() const { return detail::world_access::data_of(static_cast<const World&>(*this)); }
+    template <class Which>
+    [[nodiscard]] bool any_touching(std::uint32_t body, Which&& which) const {
+        return detail::scoped([&] {
+            for (const auto& c : range(data(), body, detail::no_shape))
+                if (c.touching && which(c)) return true;
+            return false;
+        });
+    }
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/energy.hpp
+// =================================================================================================
+// The energy of a world, and what a step does to it.
+
+PHYSICS_HPP_BEGIN
+
+/// The energy of all dynamic bodies after a step, and where it came from (J).
+struct energy_report {
+    double kinetic = 0;
+    /// In gravity, 0 where a centre of mass is at the origin.
+    double potential = 0;
+    /// What forces, torques, kinematic bodies and moving surfaces gave in the step.
+    double work = 0;
+    /// What the step gained beyond that: at most 0 but for rounding, for overlaps that were pushed apart, for what a
+    /// kinematic body took along (see swept), and for joints: what springs give back, and what they and limits push.
+    double made = 0;
+};
+
+namespace detail {
+
+template <class Plan>
+void add_energy_of_body(const state<Plan>& s, const typename Plan::body& b, energy_report& to) {
+    if (!b.is_dynamic()) return;
+    const double mass = to_double(b.mass.mass), scale = to_double(b.gravity_scale);
+    const auto v = to_point(b.velocity.linear);
+    to.kinetic += 0.5 * mass * dot(v, v);
+    if constexpr (Plan::rotates) to.kinetic += 0.5 * twice_spin_energy(b.mass.inertia, b.rotation, b.velocity.angular);
+    to.potential -= mass * scale * dot(to_point(s.settings.gravity), to_point(b.center));
+}
+template <class Plan>
+energy_report energy_of(const state<Plan>& s) {
+    energy_report sum;
+    s.bodies.each([&](std::uint32_t, const auto& b) { add_energy_of_body(s, b, sum); });
+    return sum;
+}
+
+/// Compares the energy before a step with that after it.
+template <class Plan>
+class energy_balance {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+public:
+    explicit energy_balance(const state<Plan>& s) : s_(s), before_(energy_of(s)) {
+        s.bodies.each([&](std::uint32_t i, const auto& b) {
+            if (b.is_dynamic() && b.has_external_force())
+                pushed_.push_back({i, b.center, b.rotation, b.force, b.torque});
+        });
+    }
+    [[nodiscard]] energy_report after() const {
+        energy_report r = energy_of(s_);
+        for (const pushed& p : pushed_) {
+            const auto& b = s_.bodies[p.body];
+            r.work += product_of(p.force, b.center - p.center);
+            if constexpr (Plan::rotates)
+                r.work += product_of(p.torque, rotation_vector(b.rotation * inverse(p.rotation)));
+        }
+        for (const auto& c : s_.contacts) r.work += work_at(c);
+        r.made = (r.kinetic + r.potential) - (before_.kinetic + before_.potential) - r.work;
+        return r;
+    }
+
+private:
+    struct pushed {
+        std::uint32_t body;
+        vec<S, D> center;
+        physics::rotation<S, D> rotation;
+        vec<S, D> force;
+        [[no_unique_address]] decltype(Plan::body::torque) torque;
+    };
+
+    static double product_of(S a, S b) { return to_double(a) * to_double(b); }
+    template <int N>
+    static double product_of(const vec<S, N>& a, const vec<S, N>& b) {
+        return dot(to_point(a), to_point(b));
+    }
+
+    /// What a kinematic body or the run of a surface gives by a contact's impulses.
+    [[nodiscard]] double work_at(const typename Plan::contact& c) const {
+        const auto &a = s_.bodies[c.bodies.body_a], &b = s_.bodies[c.bodies.body_b];
+        const bool from_a = !a.is_dynamic(), from_b = !b.is_dynamic();
+        const tangents<S, D> frame(c.normal);
+        double work = 0;
+        for (int k = 0; k < c.count; ++k) {
+            const auto& p = c.points[k];
+            vec<S, D> impulse = c.normal * p.normal_impulse;
+            if constexpr (Plan::features::friction) {
+                impulse += frame.combine(p.friction_impulse);
+                if constexpr (Plan::features::surface_velocity)
+                    work += product_of(p.friction_impulse, c.surface_velocity);
+            }
+            const auto r = c.anchors(k);
+            if (from_a) work += product_of(impulse, velocity_at(a.velocity, r.a));
+            if (from_b) work -= product_of(impulse, velocity_at(b.velocity, r.b));
+        }
+        if constexpr (Plan::rotates && D == 3 && Plan::features::friction) {
+            const vec<S, 3> twist = c.normal * c.twist_impulse;
+            if (from_a) work += product_of(twist, a.velocity.angular);
+            if (from_b) work -= product_of(twist, b.velocity.angular);
+        }
+        if constexpr (Plan::rotates && Plan::features::rolling_resistance) {
+            const angular<S, D> moment = moment_of(frame, c.rolling_impulse);
+            if (from_a) work += product_of(moment, a.velocity.angular);
+            if (from_b) work -= product_of(moment, b.velocity.angular);
+        }
+        return work;
+    }
+    static S moment_of(const tangents2<S>&, S about) { return about; }
+    static vec<S, 3> moment_of(const tangents3<S>& frame, const vec<S, 2>& about) { return frame.combine(about); }
+
+    const state<Plan>& s_;
+    energy_report before_;
+    buffer<pushed> pushed_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
 
 // =================================================================================================
 // physics/world/joints.hpp
@@ -37925,6 +38656,7 @@ public:
         from = units_.begin();
         each_piece<state<Plan>>(s, [&](auto& piece) { from = read(piece, from); });
         s.shapes.each_geometry(retain);
+        s.step.forget();
         return true;
     }
 
@@ -38026,7 +38758,8 @@ template <class Recipe, class Plan = typename detail::plan_of<Recipe>::type>
 class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar,
                                            detail::plan_of<Recipe>::type::dimension>,
               public joint_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
-              public query_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
+              public query_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
+              public contact_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
     friend detail::world_access;
     using plan = typename detail::plan_of<Recipe>::type;
     using of_joints = joint_functions<world, plan>;
@@ -38138,8 +38871,6 @@ public:
     [[nodiscard]] auto shapes(body_id id) const {
         return detail::shape_range<plan>(data_, find(id, "shapes") ? id : body_id());
     }
-    /// All contacts of the last step, each as a contact_view.
-    [[nodiscard]] auto contacts() const { return detail::contact_range<plan>(data_); }
 
     /// Where the body's frame is: origin, rotation, both; and where its centre of mass is.
     [[nodiscard]] vec position(body_id id) const {

@@ -162,7 +162,7 @@ def documented(house):
             if hidden or not declared or SPECIALISES.match(line) or declared.group(1) in known:
                 continue
             above = i - 1
-            while above >= 0 and re.match(r"template\b|\s*requires\b|\s{4,}\S.*>$", lines[above]):
+            while above >= 0 and re.match(r"template\b|\s*requires\b|\s{4,}\S.*[>,]$", lines[above]):
                 above -= 1
             if above >= 0 and re.match(r"///|using ", lines[above]):
                 known.add(declared.group(1))

@@ -147,7 +147,7 @@ private:
     T value_{};
 };
 
-/// A T that lasts for a step: copies of it begin empty, and assigning leaves it as it is.
+/// A T that lasts for a step: copies of it begin empty, and assigning leaves its memory as it is.
 template <class T>
 struct step_scratch : T {
     using is_scratch = void;
@@ -155,7 +155,10 @@ struct step_scratch : T {
     step_scratch() = default;
     step_scratch(const step_scratch&) : T() {}
     step_scratch(step_scratch&&) noexcept = default;
-    step_scratch& operator=(const step_scratch&) { return *this; }
+    step_scratch& operator=(const step_scratch&) {
+        if constexpr (requires(T & t) { t.forget(); }) T::forget();
+        return *this;
+    }
     step_scratch& operator=(step_scratch&&) noexcept = default;
 };
 

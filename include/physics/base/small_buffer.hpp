@@ -33,6 +33,8 @@ public:
     [[nodiscard]] std::uint32_t size() const { return size_; }
     T* begin() { return size_ > Few ? many_.begin() : few_; }
     T* end() { return begin() + size_; }
+    [[nodiscard]] const T* begin() const { return size_ > Few ? many_.begin() : few_; }
+    [[nodiscard]] const T* end() const { return begin() + size_; }
 
 private:
     union {

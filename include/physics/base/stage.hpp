@@ -22,6 +22,8 @@ struct solver {};
 struct integrator {};
 /// How fast bodies are kept from passing through others: swept.
 struct continuous {};
+/// What a step tells of: events<...>.
+struct events {};
 /// Which features are left out: without<...>.
 struct features {};
 }  // namespace stage

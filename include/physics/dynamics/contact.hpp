@@ -53,6 +53,10 @@ struct contact {
     std::uint8_t count = 0;
     /// Of each point a bit: 1 if the same features touched in the step before.
     std::uint8_t persisted_mask = 0;
+    /// Whether the shapes touch as the step ends, and of each point a bit: 1 if it bore something as the step began.
+    /// Known where the recipe asks for such events.
+    bool touching = false;
+    std::uint8_t loaded_mask = 0;
     contact_point<S, D, Features> points[manifold<S, D>::capacity] = {};
     /// Of both surfaces together. A contact_constraints tells them also where all contacts have them in common.
     [[no_unique_address]] detail::coefficient_of_contact<Features::friction, S, feature::friction, Features> friction{};
@@ -75,9 +79,9 @@ struct contact {
     [[no_unique_address]] detail::optional_member<Features::rolling_resistance, tangential<S, D>,
                                                   feature::rolling_resistance, 1>
         rolling_impulse{};
-    PHYSICS_HPP_MEMBERS(shape_a, shape_b, bodies, part, normal, r_a, r_b, count, persisted_mask, points, friction,
-                        restitution, rolling_resistance, surface_velocity, twist_impulse, substep_friction,
-                        rolling_impulse)
+    PHYSICS_HPP_MEMBERS(shape_a, shape_b, bodies, part, normal, r_a, r_b, count, persisted_mask, touching, loaded_mask,
+                        points, friction, restitution, rolling_resistance, surface_velocity, twist_impulse,
+                        substep_friction, rolling_impulse)
 
     [[nodiscard]] constexpr solver_api::anchors<S, D> anchors(int k) const {
         return {r_a + points[k].position, r_b + points[k].position};

@@ -3,7 +3,7 @@
 
 #include "physics/step/depths.hpp"
 #include "physics/step/look_ahead.hpp"
-#include "physics/step/sleep.hpp"
+#include "physics/step/touching.hpp"
 #include "physics/step/warm_impulses.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -299,6 +299,7 @@ collide_result find_contacts(const buffer<proxy_pair>& pairs, const collide_inpu
         // be most of its impulses, and must not be stretched.
         const int maximum = in.steps < 128 ? static_cast<int>(in.steps) : 128;
         rescale_impulses(to.begin() + start, to.end(), lengths, {in.h, in.h}, typename Plan::scalar(maximum));
+        if constexpr (Plan::events::hits) note_loads(to.begin() + start, to.end());
         new (pieces + first / share) contact_chunk{worker, start, to.size(), is};
     });
     return join_chunks(in, pieces, count, d, tasks);

@@ -198,6 +198,7 @@ bool fall_asleep(const buffer<typename Plan::contact>& contacts, edge_range join
     bool any = false;
     sleep_judge<Plan>(contacts, joints, settings, h, awake, bodies, sleep, scratch).run([&](std::uint32_t i) {
         reinsert_proxies<Plan>(bodies, shapes, sleep, settings.contact_margin, broadphase, i);
+        if constexpr (Plan::events::sleep) sleep.changes.slept.push_back({i, bodies.generation(i), 0});
         any = true;
     });
     if (any) awake.is_stale = true;

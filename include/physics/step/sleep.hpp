@@ -69,7 +69,10 @@ wake_input<Plan> to_wake(state<Plan>& s, step_data<Plan>& d) {
 template <class Plan>
 void finish_waking(const wake_input<Plan>& w) {
     for (const std::uint32_t i : w.step.woken) {
-        if (w.sleep.is_asleep(i)) --w.sleep.sleepers;
+        if (w.sleep.is_asleep(i)) {
+            --w.sleep.sleepers;
+            if constexpr (Plan::events::sleep) w.sleep.changes.woken.push_back({i, w.bodies.generation(i), 0});
+        }
         w.sleep.island_next[i] = no_sleeper;
         w.sleep.sleep_time[i] = {};
         reinsert_proxies<Plan>(w.bodies, w.shapes, w.sleep, w.settings.contact_margin, w.broadphase, i);
@@ -100,6 +103,7 @@ PHYSICS_HPP_NOINLINE void return_contacts(const wake_input<Plan>& w) {
     take_woken_contacts(w, [&](const auto& c) { woken.push_back(c); });
     rescale_impulses(woken.begin(), woken.end(), {w.sleep.step, w.sleep.step}, w.step_lengths);
     merge_contacts(w.contacts, woken);
+    w.step.note_contacts_moved();
 }
 /// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
 template <class Plan, class Each>

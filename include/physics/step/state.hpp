@@ -100,6 +100,8 @@ struct sleep_state {
     buffer<typename Plan::contact> contacts;
     /// Length of the step in which their impulses acted (s).
     S step{};
+    /// Bodies that have woken up or fallen asleep since the last step told of such.
+    [[no_unique_address]] std::conditional_t<Plan::events::sleep, sleep_changes, no_changes> changes;
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return island_next[body] != no_sleeper; }
     /// A body has come, awake.
@@ -115,7 +117,7 @@ struct sleep_state {
         carried_from[body] = S(-1);
         island_next[body] = no_sleeper;
     }
-    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, sleepers, contacts, step)
+    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, sleepers, contacts, step, changes)
 };
 struct no_sleep_state {
     static constexpr bool is_asleep(std::uint32_t) { return false; }
@@ -176,13 +178,15 @@ struct state {
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
     [[no_unique_address]] joints_of<Plan> joints;
+    /// Shapes that touched each other until users took their contacts away since the last step.
+    [[no_unique_address]] std::conditional_t<Plan::events::contacts, dropped_contacts, no_changes> dropped;
     std::uint64_t steps = 0;
     /// Lengths of the steps in which the contacts' impulses act.
     solver_api::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     unsaved<std::uint16_t> tag;
     PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
-                        sleep, continuous, joints, steps, step_lengths, tag)
+                        sleep, continuous, joints, dropped, steps, step_lengths, tag)
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {

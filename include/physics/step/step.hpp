@@ -106,6 +106,14 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
         return tasks.ran_all_tasks() ? step_result::out_of_range : step_result::bad_executor;
     done(step_stage::update_boxes);
 
+    // Contacts, how bodies have moved -> which shapes touch, and what is told of that, in d.events.
+    if constexpr (Plan::events::contacts || Plan::events::hits) {
+        const touch_input<Plan> to_touch{
+            s.bodies, s.shapes, s.awake, s.sleep, s.contacts, d.woken, s.settings.contact_margin, h, s.tag};
+        touch_events<Plan, decltype(moved)> events(to_touch, moved, d.events);
+        if constexpr (Plan::events::contacts) events.find_touching(s.dropped.list, d.new_contacts);
+        if constexpr (Plan::events::hits) events.find_hits(d.new_contacts, s.settings.events.hit_speed);
+    }
     // Results -> bodies and contacts. From here on nothing fails.
     publish(s, d, moved, warm, h);
     if constexpr (Plan::has_joints) break_joints(d.joints, s.bodies, s.joints, s.sleep);
@@ -120,8 +128,11 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
             move_contacts_to_sleepers<Plan>(s.bodies, s.step_lengths, s.contacts, s.sleep, d.new_contacts);
             if constexpr (Plan::remembers)
                 s.memories.drop([&](std::uint32_t shape) { return s.is_asleep(s.shapes[shape].body); });
+            d.note_contacts_moved();
         }
+        if constexpr (Plan::events::sleep) publish_sleep_changes(s.sleep.changes, s.tag, d.events);
     }
+    d.contacts_of.is_stale = true;
     done(step_stage::finish);
     return step_result::done;
 }

@@ -5,6 +5,8 @@
 #include "physics/dynamics/body.hpp"
 #include "physics/dynamics/contact.hpp"
 #include "physics/dynamics/continuous.hpp"
+#include "physics/step/contact_index.hpp"
+#include "physics/step/events.hpp"
 #include "physics/step/joints.hpp"
 #include "physics/step/pair_cache.hpp"
 
@@ -90,6 +92,9 @@ struct step_data {
     buffer<proxy_pair> woken_pairs;
     buffer<contact> woken_contacts;
     [[no_unique_address]] sweep_data_of<Plan> sweep;
+    /// What the last step told, and the contacts of each body: both follow from the state, and last until that changes.
+    [[no_unique_address]] step_events_of<Plan> events;
+    mutable contact_index contacts_of;
 
     arena scratch;
     per_worker<arena> batch_scratch;
@@ -97,6 +102,17 @@ struct step_data {
     per_worker<manifold_list<S, D>> manifolds;
     per_worker<buffer<contact>> contacts_by_worker;
     buffer<unsigned char> tasks_done;
+
+    /// Contacts have gone from the list of those that can be pushed to that of sleepers, or back.
+    void note_contacts_moved() {
+        contacts_of.is_stale = true;
+        if constexpr (Plan::events::contacts) events.is_stale = true;
+    }
+    /// The world has come to another state than that which it stepped to.
+    void forget() {
+        events.forget();
+        contacts_of.is_stale = true;
+    }
 };
 
 /// The edges of a step's joints.

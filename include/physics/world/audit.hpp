@@ -30,6 +30,7 @@ enum class recipe_problem {
     bad_solver,
     solver_without_joints,
     bad_continuous,
+    unknown_event,
 };
 
 template <class T>
@@ -50,18 +51,20 @@ constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<
                              std::same_as<Stage, stage::broadphase> || std::same_as<Stage, stage::narrowphase> ||
                              std::same_as<Stage, stage::mixing> || std::same_as<Stage, stage::solver> ||
                              std::same_as<Stage, stage::integrator> || std::same_as<Stage, stage::continuous> ||
-                             std::same_as<Stage, stage::features>;
+                             std::same_as<Stage, stage::features> || std::same_as<Stage, stage::events>;
 
 /// False for a policy that claims a stage of the library's own.
 template <class Policy, class Stage = typename stage_of<Policy>::type>
-constexpr bool may_serve =
-    !std::same_as<Stage, stage::shapes> && !std::same_as<Stage, stage::joints> && !std::same_as<Stage, stage::features>;
+constexpr bool may_serve = !std::same_as<Stage, stage::shapes> && !std::same_as<Stage, stage::joints> &&
+                           !std::same_as<Stage, stage::features> && !std::same_as<Stage, stage::events>;
 template <template <class, int> class... Shapes>
 constexpr bool may_serve<shapes<Shapes...>, stage::shapes> = true;
 template <template <class, int> class... Joints>
 constexpr bool may_serve<joints<Joints...>, stage::joints> = true;
 template <class... Features>
 constexpr bool may_serve<without<Features...>, stage::features> = true;
+template <class... Kinds>
+constexpr bool may_serve<events<Kinds...>, stage::events> = true;
 
 /// How many of the policies serve the stage.
 template <class Stage, class... Policies>
@@ -163,6 +166,8 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
         if constexpr (of_shapes != recipe_problem::none) return of_shapes;
         else if constexpr (of_joints != recipe_problem::none) return of_joints;
         else if constexpr (!features::known) return recipe_problem::unknown_feature;
+        else if constexpr (!policy_for<stage::events, events<>, Policies...>::type::known)
+            return recipe_problem::unknown_event;
         else if constexpr (!broadphase_policy<typename policy_for<stage::broadphase, dynamic_tree, Policies...>::type,
                                               space<S, D>>)
             return recipe_problem::bad_broadphase;
@@ -229,8 +234,8 @@ struct audit {
                   "physics::recipe: a policy names a stage that does not exist; the stages are those of namespace "
                   "physics::stage");
     static_assert(problem != recipe_problem::not_shapes_or_without,
-                  "physics::recipe: a policy names a stage that only physics::shapes<...>, physics::joints<...> or "
-                  "physics::without<...> may serve");
+                  "physics::recipe: a policy names a stage that only physics::shapes<...>, physics::joints<...>, "
+                  "physics::without<...> or physics::events<...> may serve");
     static_assert(problem != recipe_problem::two_policies_for_a_stage,
                   "physics::recipe: two policies serve the same stage; keep one of them");
     static_assert(problem != recipe_problem::no_shapes, "physics::shapes: the set is empty; name at least one shape");
@@ -243,6 +248,8 @@ struct audit {
     static_assert(
         problem != recipe_problem::unknown_feature,
         "physics::without: an argument is not a feature; the features are those of namespace physics::feature");
+    static_assert(problem != recipe_problem::unknown_event,
+                  "physics::events: an argument is not an event; the events are those of namespace physics::event");
     static_assert(problem != recipe_problem::same_joint_twice, "physics::joints: a joint stands in the set twice");
     static_assert(problem != recipe_problem::not_a_joint,
                   "physics::joints: a type of the set does not model physics::joint_for; it needs a list of its "

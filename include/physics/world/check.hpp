@@ -144,7 +144,7 @@ bool check_settings(const typename Plan::settings& with, const char* function) {
         if (!check_material<Plan>(function, with.material, material_of_settings)) return false;
     return check_in_range(function, "gravity", with.gravity) &&
            check_not_negative(function, "contact_margin", with.contact_margin) && check(with.broadphase, function) &&
-           check(with.solver, function) && check(with.sleeping, function);
+           check(with.solver, function) && check(with.sleeping, function) && check(with.events, function);
 }
 
 /// Refuses to make a world of floating-point numbers where arithmetic would not give the same bits as

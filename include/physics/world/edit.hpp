@@ -12,7 +12,11 @@ namespace detail {
 template <class Plan, class Gone>
 void drop_contacts(world_data<Plan>& s, Gone&& gone) {
     partition_contacts(
-        s.contacts, [&](const auto& c) { return !gone(c); }, [](const auto&) {});
+        s.contacts, [&](const auto& c) { return !gone(c); },
+        [&]([[maybe_unused]] const auto& c) {
+            if constexpr (Plan::events::contacts) note_dropped<Plan>(c, s.bodies, s.shapes, s.dropped.list);
+        });
+    s.step.contacts_of.is_stale = true;
 }
 
 template <class Plan>

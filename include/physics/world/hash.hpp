@@ -162,7 +162,8 @@ constexpr const char* unhashed_members(const shape_record<Plan>&) {
 }
 template <class S, int D, class Features>
 constexpr const char* unhashed_members(const contact<S, D, Features>&) {
-    return "bodies, r_a, r_b, persisted_mask, friction, restitution, rolling_resistance, surface_velocity";
+    return "bodies, r_a, r_b, persisted_mask, touching, loaded_mask, friction, restitution, rolling_resistance, "
+           "surface_velocity";
 }
 template <class S, int D, class Features>
 constexpr const char* unhashed_members(const contact_point<S, D, Features>&) {

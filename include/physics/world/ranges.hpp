@@ -1,8 +1,12 @@
 // What a loop over a world's bodies and contacts walks along.
 #pragma once
 
+#include "physics/base/small_buffer.hpp"
+#include "physics/base/sort.hpp"
 #include "physics/step/state.hpp"
+#include "physics/step/touching.hpp"
 #include "physics/world/settings.hpp"
+#include "physics/world/world_data.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -75,6 +79,29 @@ private:
     body_id body_;
 };
 
+/// Whether the shapes of a contact touch; see contact_view.
+template <class Plan>
+bool is_touching(const state<Plan>& s, const typename Plan::contact& c) {
+    if constexpr (Plan::events::contacts) {
+        return c.touching;
+    } else {
+        if (pressed_points(c) != 0) return true;
+        const auto displacement = [&](std::uint32_t body, const auto& from) {
+            const auto& b = s.bodies[body];
+            const auto& start = s.contact_starts[body];
+            return b.center - start.position + (b.rotation * inverse_rotate(start.rotation, from) - from);
+        };
+        for (int k = 0; k < c.count; ++k) {
+            const auto [a, b] = c.anchors(k);
+            const auto apart = displacement(c.bodies.body_b, b) - displacement(c.bodies.body_a, a);
+            if (c.points[k].separation + dot(c.normal, apart) <=
+                s.settings.contact_margin * typename Plan::scalar(touch_margin))
+                return true;
+        }
+        return false;
+    }
+}
+
 template <class Plan>
 auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
     using S = typename Plan::scalar;
@@ -87,6 +114,7 @@ auto view_of(const state<Plan>& s, const typename Plan::contact& c) {
                             {at_a, s.bodies.generation(at_a), s.tag},
                             {at_b, s.bodies.generation(at_b), s.tag},
                             c.part,
+                            is_touching(s, c),
                             c.normal,
                             tangents<S, D>(c.normal),
                             {},
@@ -113,7 +141,20 @@ template <class S, int D>
 contact_view<S, D> no_contact() {
     vec<S, D> any;
     any[0] = S(1);
-    return {{}, {}, {}, {}, 0, any, tangents<S, D>(any), {}, 0, {}, {}, {}, {}, {}, {}};
+    return {{}, {}, {}, {}, 0, false, any, tangents<S, D>(any), {}, 0, {}, {}, {}, {}, {}, {}};
+}
+
+/// The first contact in a list that is not before a pair.
+template <class Contact>
+std::uint32_t first_contact(const buffer<Contact>& in, proxy_pair pair) {
+    std::uint32_t at = 0;
+    for (std::uint32_t size = in.size(); size > 0;) {
+        const std::uint32_t half = size / 2;
+        const bool is_before = in[at + half].key() < pair;
+        at += is_before ? half + 1 : 0;
+        size = is_before ? size - half - 1 : half;
+    }
+    return at;
 }
 
 /// The contacts of a world's last step, in ascending order of their shapes' numbers; those of sleepers as they were
@@ -181,14 +222,7 @@ public:
             if (guess <= in.size() && (guess == 0 || in[guess - 1].key() < pair_) &&
                 (guess == in.size() || !(in[guess].key() < pair_)))
                 return guess;
-            std::uint32_t at = 0;
-            for (std::uint32_t size = in.size(); size > 0;) {
-                const std::uint32_t half = size / 2;
-                const bool is_before = in[at + half].key() < pair_;
-                at += is_before ? half + 1 : 0;
-                size = is_before ? size - half - 1 : half;
-            }
-            return at;
+            return first_contact(in, pair_);
         }
 
         const state<Plan>* state_;
@@ -209,6 +243,73 @@ public:
 
 private:
     const state<Plan>* state_;
+};
+
+/// The contacts of one body or shape, in ascending order of their shapes' numbers. A loop may change the world: what is
+/// gone comes as no_contact.
+template <class Plan>
+class own_contact_range {
+    /// Which one of a pair's contacts it is, and where it was in its list.
+    struct place {
+        proxy_pair pair;
+        std::uint32_t rank, at;
+    };
+
+public:
+    /// Of a body, and of one of its shapes only unless that is no_shape.
+    own_contact_range(const world_data<Plan>& s, std::uint32_t body, std::uint32_t shape) : state_(&s) {
+        const buffer<typename Plan::contact>* asleep = nullptr;
+        if constexpr (Plan::sleeps) asleep = &s.sleep.contacts;
+        s.step.contacts_of.each(s.bodies.slots(), s.contacts, asleep, body, [&](std::uint32_t n) {
+            const bool is_asleep = n >= s.contacts.size();
+            const auto& in = is_asleep ? *asleep : s.contacts;
+            const std::uint32_t at = is_asleep ? n - s.contacts.size() : n;
+            if (shape != no_shape && in[at].shape_a != shape && in[at].shape_b != shape) return;
+            std::uint32_t rank = 0;
+            while (rank < at && in[at - rank - 1].key() == in[at].key()) ++rank;
+            places_.push_back({in[at].key(), rank, at});
+        });
+        sort_in_place(places_.begin(), places_.size(), [](const place& x, const place& y) {
+            return x.pair == y.pair ? x.rank < y.rank : x.pair < y.pair;
+        });
+    }
+    explicit own_contact_range(const world_data<Plan>& s) : state_(&s) {}
+
+    class iterator {
+    public:
+        iterator(const state<Plan>& s, const place* at) : state_(&s), at_(at) {}
+        auto operator*() const {
+            if (const auto* c = find(state_->contacts)) return view_of(*state_, *c);
+            if constexpr (Plan::sleeps)
+                if (const auto* c = find(state_->sleep.contacts)) return view_of(*state_, *c);
+            return no_contact<typename Plan::scalar, Plan::dimension>();
+        }
+        iterator& operator++() {
+            ++at_;
+            return *this;
+        }
+        friend bool operator==(const iterator&, const iterator&) = default;
+
+    private:
+        const typename Plan::contact* find(const buffer<typename Plan::contact>& in) const {
+            const auto is_here = [&](std::uint32_t i) { return i < in.size() && in[i].key() == at_->pair; };
+            const std::uint32_t first = at_->at - at_->rank;
+            if (is_here(at_->at) && is_here(first) && (first == 0 || !is_here(first - 1))) return &in[at_->at];
+            const std::uint32_t i = first_contact(in, at_->pair) + at_->rank;
+            return is_here(i) ? &in[i] : nullptr;
+        }
+
+        const state<Plan>* state_;
+        const place* at_;
+    };
+    [[nodiscard]] iterator begin() const { return {*state_, places_.begin()}; }
+    [[nodiscard]] iterator end() const { return {*state_, places_.end()}; }
+    /// Number of contacts.
+    [[nodiscard]] std::uint32_t size() const { return places_.size(); }
+
+private:
+    const state<Plan>* state_;
+    small_buffer<place, 16> places_;
 };
 
 }  // namespace detail

@@ -27,6 +27,7 @@
 #include "physics/shape/heightfield.hpp"
 #include "physics/shape/mesh.hpp"
 #include "physics/shape/tile_grid.hpp"
+#include "physics/step/events.hpp"
 #include "physics/world/settings.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -175,11 +176,13 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
         typename policy_for<stage::integrator, semi_implicit_euler, Policies...>::type::template in<space>;
     using solver = typename policy_for<stage::solver, soft_step, Policies...>::type::template in<space, features>;
     static constexpr bool sleeps = features::sleeping;
+    using events = typename policy_for<stage::events, physics::events<>, Policies...>::type;
     using joints = typename policy_for<stage::joints, physics::joints<>, Policies...>::type;
     static constexpr bool has_joints = !std::same_as<joints, physics::joints<>>;
     using settings =
         world_settings<S, D, typename solver::settings, std::conditional_t<sleeps, sleep_settings<S>, no_settings>,
-                       std::conditional_t<features::materials, every_shape_has_a_material_of_its_own, material<S, D>>>;
+                       std::conditional_t<features::materials, every_shape_has_a_material_of_its_own, material<S, D>>,
+                       std::conditional_t<events::hits, event_settings<S>, no_event_settings>>;
     using shape_def = physics::shape_def<S, D, features::materials>;
     using continuous = typename std::conditional_t<features::continuous,
                                                    typename policy_for<stage::continuous, swept, Policies...>::type,

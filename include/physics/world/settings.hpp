@@ -7,6 +7,7 @@
 #include "physics/dynamics/contact.hpp"
 #include "physics/dynamics/islands.hpp"
 #include "physics/joint/joint.hpp"
+#include "physics/step/events.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -20,7 +21,8 @@ struct every_shape_has_a_material_of_its_own {};
 /// Numbers of a world. Lengths in metres, times in seconds, masses in kilograms; a world in other units
 /// scales the lengths and speeds here with them.
 template <class S, int D, class SolverSettings, class SleepSettings = sleep_settings<S>,
-          class Material = detail::every_shape_has_a_material_of_its_own>
+          class Material = detail::every_shape_has_a_material_of_its_own,
+          class EventSettings = detail::no_event_settings>
 struct world_settings {
     /// Acceleration of every body, times its gravity scale (m/s^2).
     vec<S, D> gravity = downward();
@@ -34,6 +36,8 @@ struct world_settings {
     [[no_unique_address]] SleepSettings sleeping = {};
     /// What all surfaces are made of, if the recipe leaves out materials a shape. None of them runs.
     [[no_unique_address]] Material material = {};
+    /// What counts as a hit, where the recipe asks for hits.
+    [[no_unique_address]] EventSettings events = {};
 
 private:
     static constexpr vec<S, D> downward() {
@@ -131,6 +135,9 @@ struct contact_view {
     body_id body_a, body_b;
     /// Which part of a concave shape touches: the number of a triangle, segment or child; 0 of convex shapes.
     std::uint32_t part;
+    /// True if a point pressed in the last step, or the surfaces were no farther apart as it ended than 1/20 of the
+    /// contact margin; where the recipe asks for event::contact, until they are 1/4 of it apart. Others are only near.
+    bool touching;
     /// Unit normal from A to B, and unit tangents (one in 2D, two in 3D), in world axes.
     vec<S, D> normal;
     physics::tangents<S, D> tangents;
@@ -144,6 +151,16 @@ struct contact_view {
     /// against rolling, about z in 2D and about both tangents in 3D.
     S twist_impulse;
     physics::tangential<S, D> rolling_impulse;
+
+    /// The other one of the two bodies, and the normal that points out of that to this one.
+    [[nodiscard]] body_id other(body_id body) const { return body == body_a ? body_b : body_a; }
+    [[nodiscard]] vec<S, D> normal_on(body_id body) const { return body == body_a ? -normal : normal; }
+    /// What pressed on either in the last step along the normal, of all points (N s).
+    [[nodiscard]] S normal_impulse() const {
+        S sum{};
+        for (int k = 0; k < count; ++k) sum += points[k].normal_impulse;
+        return sum;
+    }
 };
 
 PHYSICS_HPP_END

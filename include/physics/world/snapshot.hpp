@@ -114,6 +114,7 @@ public:
         from = units_.begin();
         each_piece<state<Plan>>(s, [&](auto& piece) { from = read(piece, from); });
         s.shapes.each_geometry(retain);
+        s.step.forget();
         return true;
     }
 

@@ -1,6 +1,7 @@
 // The world: what users hold.
 #pragma once
 
+#include "physics/world/contact_functions.hpp"
 #include "physics/world/energy.hpp"
 #include "physics/world/joints.hpp"
 #include "physics/world/query_functions.hpp"
@@ -22,7 +23,8 @@ template <class Recipe, class Plan = typename detail::plan_of<Recipe>::type>
 class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::type::scalar,
                                            detail::plan_of<Recipe>::type::dimension>,
               public joint_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
-              public query_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
+              public query_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
+              public contact_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
     friend detail::world_access;
     using plan = typename detail::plan_of<Recipe>::type;
     using of_joints = joint_functions<world, plan>;
@@ -134,8 +136,6 @@ public:
     [[nodiscard]] auto shapes(body_id id) const {
         return detail::shape_range<plan>(data_, find(id, "shapes") ? id : body_id());
     }
-    /// All contacts of the last step, each as a contact_view.
-    [[nodiscard]] auto contacts() const { return detail::contact_range<plan>(data_); }
 
     /// Where the body's frame is: origin, rotation, both; and where its centre of mass is.
     [[nodiscard]] vec position(body_id id) const {

@@ -1,0 +1,131 @@
+// Events: what a step tells of contacts and sleep, where a recipe asks for it.
+#pragma once
+
+#include "physics/base/buffer.hpp"
+#include "physics/base/handle.hpp"
+#include "physics/base/stage.hpp"
+#include "physics/broadphase/concept.hpp"
+#include "physics/space/check.hpp"
+#include "physics/space/vec.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// Kinds of events that a recipe can ask for.
+namespace event {
+/// Shapes that begin and cease to touch.
+struct contact {};
+/// Shapes that hit each other.
+struct hit {};
+/// Bodies that fall asleep and wake up.
+struct sleep {};
+}  // namespace event
+
+/// Which events a world tells of: events<event::contact, event::hit>. None by default; others cost nothing.
+template <class... Kinds>
+struct events {
+    using stage = physics::stage::events;
+
+private:
+    template <class Kind>
+    static constexpr bool has = (std::same_as<Kinds, Kind> || ...);
+    template <class Any, class... Known>
+    static constexpr bool is_one_of = (std::same_as<Any, Known> || ...);
+
+public:
+    static constexpr bool contacts = has<event::contact>;
+    static constexpr bool hits = has<event::hit>;
+    static constexpr bool sleep = has<event::sleep>;
+    static constexpr bool known = (is_one_of<Kinds, event::contact, event::hit, event::sleep> && ...);
+};
+
+/// When events are told of.
+template <class S>
+struct event_settings {
+    /// Shapes that approach each other no faster do not hit each other (m/s, at least 0).
+    S hit_speed = S(1);
+};
+template <class S>
+bool check(const event_settings<S>& with, const char* function) {
+    return detail::check_not_negative(function, "events.hit_speed", with.hit_speed);
+}
+
+/// Two shapes that have begun to touch in the last step, or have ceased to. A is the shape of the lower number.
+struct contact_event {
+    shape_id shape_a, shape_b;
+    body_id body_a, body_b;
+    /// What users had given the shapes and their bodies.
+    std::uint64_t shape_data_a = 0, shape_data_b = 0, body_data_a = 0, body_data_b = 0;
+    /// True if one of the shapes has been destroyed.
+    bool gone = false;
+};
+
+/// Two shapes that have hit each other in the last step: at a point of their contact that bore nothing before they
+/// approached each other faster than settings().events.hit_speed. A is the shape of the lower number.
+template <class S, int D>
+struct hit_event {
+    shape_id shape_a, shape_b;
+    body_id body_a, body_b;
+    /// Where they approached each other fastest, as the step began (m), and the unit normal from A to B there.
+    vec<S, D> point, normal;
+    /// How fast they did (m/s), and what all points of the contact gave along their normals in the step (N s).
+    S approach_speed{}, impulse{};
+};
+
+namespace detail {
+
+struct no_event_settings {};
+inline bool check(const no_event_settings&, const char*) { return true; }
+
+/// What is to be told by the next step, and lasts until then.
+struct dropped_contacts {
+    /// Shapes that touched each other, and whose contacts went by what users did: as they were then.
+    buffer<contact_event> list;
+    PHYSICS_HPP_MEMBERS(list)
+};
+struct sleep_changes {
+    buffer<body_id> slept, woken;
+    PHYSICS_HPP_MEMBERS(slept, woken)
+};
+struct no_changes {};
+
+/// What the last step told, and what that followed from.
+template <class S, int D>
+struct step_events {
+    buffer<contact_event> contact_begin, contact_end;
+    buffer<hit_event<S, D>> hits;
+    buffer<body_id> slept, woken;
+    /// Pairs that have begun to touch and not ceased to, with a body that can be pushed: those of the last step, in
+    /// ascending order, unless they have to be listed anew.
+    buffer<proxy_pair> touching, now_touching;
+    bool is_stale = true;
+
+    void forget() {
+        contact_begin.clear();
+        contact_end.clear();
+        hits.clear();
+        slept.clear();
+        woken.clear();
+        is_stale = true;
+    }
+};
+struct no_events {
+    void forget() {}
+};
+template <class Plan>
+using step_events_of = std::conditional_t<Plan::events::contacts || Plan::events::hits || Plan::events::sleep,
+                                          step_events<typename Plan::scalar, Plan::dimension>, no_events>;
+
+/// Changes since the last step told of such -> what this one tells.
+template <class S, int D>
+void publish_sleep_changes(sleep_changes& changes, std::uint16_t tag, step_events<S, D>& to) {
+    to.slept.swap(changes.slept);
+    to.woken.swap(changes.woken);
+    changes.slept.clear();
+    changes.woken.clear();
+    for (auto* ids : {&to.slept, &to.woken})
+        for (body_id& id : *ids) id.world = tag;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
