@@ -17323,7 +17323,7 @@ struct collision_filter {
 };
 
 /// Which proxies can form a pair: those of which a collision_filter says so, if the owners differ and at least one is
-/// movable.
+/// movable, and not both are sensors.
 struct proxy_filter {
     std::uint32_t category = 1;
     std::uint32_t mask = all_categories;
@@ -17333,6 +17333,8 @@ struct proxy_filter {
     /// False for what nothing pushes: static and kinematic geometry. Such proxies never meet each other, and cost
     /// nothing while they rest.
     bool movable = true;
+    /// Whether it only senses what it meets; queries leave it out unless they are to see it.
+    bool sensor = false;
 
     friend bool operator==(const proxy_filter&, const proxy_filter&) = default;
 };
@@ -17344,7 +17346,7 @@ constexpr bool may_meet(const collision_filter& a, const collision_filter& b) {
 }
 constexpr bool may_meet(const proxy_filter& a, const proxy_filter& b) {
     return may_meet(collision_filter{a.category, a.mask, a.group}, collision_filter{b.category, b.mask, b.group}) &&
-           (a.owner != b.owner || a.owner == detail::null_index) && (a.movable || b.movable);
+           (a.owner != b.owner || a.owner == detail::null_index) && (a.movable || b.movable) && !(a.sensor && b.sensor);
 }
 
 /// How much larger than their proxies boxes are kept, so that small moves leave them alone.
@@ -17662,10 +17664,12 @@ struct query_filter {
     body_id except = {};
     /// Whether categories and masks do not matter to it.
     bool any_category = false;
+    /// Whether it sees sensors too.
+    bool sensors = false;
 
     [[nodiscard]] constexpr bool sees(const proxy_filter& p) const {
         return (any_category || ((p.category & mask) != 0 && (category & p.mask) != 0)) && (movable || !p.movable) &&
-               (!except || p.owner != except.index);
+               (sensors || !p.sensor) && (!except || p.owner != except.index);
     }
 };
 
@@ -31172,6 +31176,8 @@ namespace event {
 struct contact {};
 /// Shapes that hit each other.
 struct hit {};
+/// Shapes that come into sensors and leave them; only then can shapes be sensors.
+struct sensor {};
 /// Bodies that fall asleep and wake up.
 struct sleep {};
 }  // namespace event
@@ -31190,8 +31196,9 @@ private:
 public:
     static constexpr bool contacts = has<event::contact>;
     static constexpr bool hits = has<event::hit>;
+    static constexpr bool sensors = has<event::sensor>;
     static constexpr bool sleep = has<event::sleep>;
-    static constexpr bool known = (is_one_of<Kinds, event::contact, event::hit, event::sleep> && ...);
+    static constexpr bool known = (is_one_of<Kinds, event::contact, event::hit, event::sensor, event::sleep> && ...);
 };
 
 /// When events are told of.
@@ -31227,6 +31234,16 @@ struct hit_event {
     S approach_speed{}, impulse{};
 };
 
+/// A shape that has come into a sensor in the last step, or has left it.
+struct sensor_event {
+    shape_id sensor, visitor;
+    body_id sensor_body, visitor_body;
+    /// What users had given the shapes and their bodies.
+    std::uint64_t sensor_data = 0, visitor_data = 0, sensor_body_data = 0, visitor_body_data = 0;
+    /// True if one of the shapes has been destroyed.
+    bool gone = false;
+};
+
 namespace detail {
 
 struct no_event_settings {};
@@ -31243,22 +31260,38 @@ struct sleep_changes {
     PHYSICS_HPP_MEMBERS(slept, woken)
 };
 struct no_changes {};
+/// What lasts of sensors.
+struct sensor_state {
+    /// Of each shape, and how many are.
+    bit_array is_sensor;
+    reset_on_move<std::uint32_t> count;
+    /// Pairs of a sensor and what is in it, in ascending order.
+    buffer<proxy_pair> inside;
+    /// What left by being destroyed since the last step.
+    buffer<sensor_event> dropped;
+    PHYSICS_HPP_MEMBERS(is_sensor, count, inside, dropped)
+};
 
 /// What the last step told, and what that followed from.
 template <class S, int D>
 struct step_events {
     buffer<contact_event> contact_begin, contact_end;
     buffer<hit_event<S, D>> hits;
+    buffer<sensor_event> sensor_begin, sensor_end;
     buffer<body_id> slept, woken;
     /// Pairs that have begun to touch and not ceased to, with a body that can be pushed: those of the last step, in
     /// ascending order, unless they have to be listed anew.
     buffer<proxy_pair> touching, now_touching;
     bool is_stale = true;
+    /// Pairs without sensors; pairs of sensors and what is in them.
+    buffer<proxy_pair> solid_pairs, overlaps, now_inside;
 
     void forget() {
         contact_begin.clear();
         contact_end.clear();
         hits.clear();
+        sensor_begin.clear();
+        sensor_end.clear();
         slept.clear();
         woken.clear();
         is_stale = true;
@@ -31268,8 +31301,9 @@ struct no_events {
     void forget() {}
 };
 template <class Plan>
-using step_events_of = std::conditional_t<Plan::events::contacts || Plan::events::hits || Plan::events::sleep,
-                                          step_events<typename Plan::scalar, Plan::dimension>, no_events>;
+using step_events_of =
+    std::conditional_t<Plan::events::contacts || Plan::events::hits || Plan::events::sensors || Plan::events::sleep,
+                       step_events<typename Plan::scalar, Plan::dimension>, no_events>;
 
 /// Changes since the last step told of such -> what this one tells.
 template <class S, int D>
@@ -32061,11 +32095,12 @@ struct shape_record {
     [[no_unique_address]] stored_material<S, D, typename Plan::features> material;
     S density{};
     collision_filter filter;
+    bool sensor = false;
     std::uint32_t body = 0;
     /// The body's shape of the next lower number.
     std::uint32_t next = no_shape;
     std::uint64_t user_data = 0;
-    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, filter, body, next, user_data)
+    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, filter, sensor, body, next, user_data)
 };
 
 /// The shapes of a world. It is one of the owners of the geometry that its shapes are made of.
@@ -32213,13 +32248,14 @@ struct state {
     [[no_unique_address]] joints_of<Plan> joints;
     /// Shapes that touched each other until users took their contacts away since the last step.
     [[no_unique_address]] std::conditional_t<Plan::events::contacts, dropped_contacts, no_changes> dropped;
+    [[no_unique_address]] std::conditional_t<Plan::events::sensors, sensor_state, no_changes> sensors;
     std::uint64_t steps = 0;
     /// Lengths of the steps in which the contacts' impulses act.
     solver_api::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     unsaved<std::uint16_t> tag;
     PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
-                        sleep, continuous, joints, dropped, steps, step_lengths, tag)
+                        sleep, continuous, joints, dropped, sensors, steps, step_lengths, tag)
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
@@ -32260,11 +32296,17 @@ auto query_bounds(const World& w, const shape_record<Plan>& shape) {
 template <class Plan>
 proxy_filter filter_of(const shape_record<Plan>& shape, bool movable) {
     const collision_filter& f = shape.filter;
-    return {f.category, f.mask, f.group, shape.body, movable};
+    return {f.category, f.mask, f.group, shape.body, movable, shape.sensor};
+}
+/// Whether the broadphase is to find what a body meets: it can be pushed, or moves where sensors may see it.
+template <class Plan>
+bool is_movable(const pool<typename Plan::body>& bodies, const sleep_of<Plan>& sleep, std::uint32_t body) {
+    return is_awake_dynamic(bodies, sleep, body) ||
+           (Plan::events::sensors && bodies[body].type == body_type::kinematic_body);
 }
 template <class World, class Plan>
 proxy_filter filter_of(const World& w, const shape_record<Plan>& shape) {
-    return filter_of(shape, is_awake_dynamic(w.bodies, w.sleep, shape.body));
+    return filter_of(shape, is_movable<Plan>(w.bodies, w.sleep, shape.body));
 }
 template <class Plan>
 void configure_broadphase(state<Plan>& s) {
@@ -32290,13 +32332,23 @@ template <class State, class F>
 void each_shape(State& s, std::uint32_t body, F&& f) {
     each_shape(s.bodies, s.shapes, body, f);
 }
+/// The same for those that are no sensors.
+template <class Plan, class F>
+void each_solid_shape(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes, std::uint32_t body,
+                      F&& f) {
+    each_shape(bodies, shapes, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+        if constexpr (Plan::events::sensors)
+            if (shape.sensor) return;
+        f(i, shape);
+    });
+}
 
 /// Enters the shapes of a body into the broadphase anew: it has become another kind of proxy.
 template <class Plan>
 void reinsert_proxies(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
                       const sleep_of<Plan>& sleep, typename Plan::scalar margin, typename Plan::broadphase& broadphase,
                       std::uint32_t body) {
-    const bool movable = is_awake_dynamic(bodies, sleep, body);
+    const bool movable = is_movable<Plan>(bodies, sleep, body);
     each_shape(bodies, shapes, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
         broadphase.erase(i);
         broadphase.insert(i, box_within(margin, shape), filter_of(shape, movable));
@@ -32587,6 +32639,8 @@ void wake_near(const wake_input<Plan>& w, std::uint32_t body,
     if (w.sleep.sleepers == 0) return;
     w.step.near.clear();
     each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto& shape) {
+        // What comes into a sensor that moves is seen though it sleeps.
+        if (shape.sensor && w.bodies[body].type != body_type::static_body) return;
         list_near(w, shape, merged(query_bounds(w, shape), bounds(shape.shape, to * shape.local)));
     });
     each_connected(w.joints, body, [&](std::uint32_t other) { w.step.near.push_back(other); });
@@ -33422,7 +33476,7 @@ body_extent<typename Plan::scalar> measure_body(const pool<typename Plan::body>&
                                                 std::uint32_t index) {
     using S = typename Plan::scalar;
     body_extent<S> all{static_cast<S>(static_cast<double>(scalar_traits<S>::max()) * 0.25), {}, 0};
-    each_shape(bodies, shapes, index, [&](std::uint32_t, const shape_record<Plan>& record) {
+    each_solid_shape<Plan>(bodies, shapes, index, [&](std::uint32_t, const shape_record<Plan>& record) {
         all = merged(all, measure_shape(record, bodies[index]));
     });
     return all;
@@ -33670,11 +33724,15 @@ namespace detail {
 
 /// Boxes -> pairs of shapes whose boxes overlap, in order, of two bodies of which one at least can be pushed: the
 /// filters that shapes were inserted with say so.
+template <class Broadphase, class Accept>
+const buffer<proxy_pair>& find_pairs(Broadphase& broadphase, const Accept& accept, [[maybe_unused]] arena& scratch) {
+    if constexpr (requires { broadphase.pairs(accept, scratch); }) return broadphase.pairs(accept, scratch);
+    else return broadphase.pairs(accept);
+}
 template <class Broadphase>
-const buffer<proxy_pair>& find_pairs(Broadphase& broadphase, [[maybe_unused]] arena& scratch) {
-    const auto all = [](std::uint32_t, std::uint32_t) { return true; };
-    if constexpr (requires { broadphase.pairs(all, scratch); }) return broadphase.pairs(all, scratch);
-    else return broadphase.pairs(all);
+const buffer<proxy_pair>& find_pairs(Broadphase& broadphase, arena& scratch) {
+    return find_pairs(
+        broadphase, [](std::uint32_t, std::uint32_t) { return true; }, scratch);
 }
 
 }  // namespace detail
@@ -34182,6 +34240,181 @@ void drop_seam_contacts([[maybe_unused]] const collide_input<Plan>& in, [[maybe_
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/step/sensors.hpp
+// =================================================================================================
+// Sensors: shapes that stop nothing, and tell what is inside them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Which pairs of shapes a world with sensors looks at: kinematic bodies are movable in its broadphase, so that sensors
+/// see them, but push nothing that cannot be pushed.
+template <class Plan>
+struct sensor_pair_filter {
+    const pool<typename Plan::body>& bodies;
+    const shape_pool<Plan>& shapes;
+    const sleep_of<Plan>& sleep;
+    const bit_array& is_sensor;
+
+    bool operator()(std::uint32_t a, std::uint32_t b) const {
+        return is_sensor[a] || is_sensor[b] || is_awake_dynamic(bodies, sleep, shapes[a].body) ||
+               is_awake_dynamic(bodies, sleep, shapes[b].body);
+    }
+};
+/// Pairs of shapes whose boxes overlap, of which one can be pushed, or is a sensor.
+template <class Plan>
+const buffer<proxy_pair>& find_pairs(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
+                                     const sleep_of<Plan>& sleep, const sensor_state& sensors,
+                                     typename Plan::broadphase& broadphase, arena& scratch) {
+    return find_pairs(broadphase, sensor_pair_filter<Plan>{bodies, shapes, sleep, sensors.is_sensor}, scratch);
+}
+/// Those of shapes that are no sensors.
+inline const buffer<proxy_pair>& without_sensors(const buffer<proxy_pair>& pairs, const sensor_state& sensors,
+                                                 buffer<proxy_pair>& spare) {
+    if (sensors.count == 0) return pairs;
+    spare.clear();
+    for (const proxy_pair& p : pairs)
+        if (!sensors.is_sensor[p.a] && !sensors.is_sensor[p.b]) spare.push_back(p);
+    return spare;
+}
+
+/// Of a sensor and a visitor.
+template <class Plan>
+sensor_event sensor_event_of(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes, proxy_pair p) {
+    const std::uint32_t a = shapes[p.a].body, b = shapes[p.b].body;
+    return {{p.a, shapes.generation(p.a), 0},
+            {p.b, shapes.generation(p.b), 0},
+            {a, bodies.generation(a), 0},
+            {b, bodies.generation(b), 0},
+            shapes[p.a].user_data,
+            shapes[p.b].user_data,
+            bodies[a].user_data,
+            bodies[b].user_data,
+            false};
+}
+/// Forgets what is in sensors, or in which sensors something is, of shapes for which gone(shape) is true.
+template <class Plan, class Gone>
+void drop_visitors(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes, sensor_state& sensors,
+                   Gone&& gone) {
+    std::uint32_t kept = 0;
+    for (const proxy_pair p : sensors.inside) {
+        if (!gone(p.a) && !gone(p.b)) {
+            sensors.inside[kept++] = p;
+            continue;
+        }
+        sensors.dropped.push_back(sensor_event_of<Plan>(bodies, shapes, p));
+        sensors.dropped.back().gone = true;
+    }
+    sensors.inside.resize(kept);
+}
+
+/// The first pair in an ascending list that is not before this one.
+inline std::uint32_t first_pair(const buffer<proxy_pair>& in, proxy_pair pair) {
+    std::uint32_t at = 0;
+    for (std::uint32_t size = in.size(); size > 0;) {
+        const std::uint32_t half = size / 2;
+        const bool is_before = in[at + half] < pair;
+        at += is_before ? half + 1 : 0;
+        size = is_before ? size - half - 1 : half;
+    }
+    return at;
+}
+
+/// What the sensors of a world see.
+template <class Plan>
+struct sensor_input {
+    const pool<typename Plan::body>& bodies;
+    const shape_pool<Plan>& shapes;
+    const awake_list& awake;
+    const joints_of<Plan>& joints;
+    std::uint16_t tag;
+};
+
+/// Poses at the end of a step, pairs of boxes -> what is in which sensor, and what has come and gone.
+template <class Plan>
+class sensor_update {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+public:
+    sensor_update(const sensor_input<Plan>& in, manifold_list<S, D>& manifolds) : in_(in), manifolds_(manifolds) {}
+
+    void run(const buffer<proxy_pair>& pairs, sensor_state& sensors, step_events<S, D>& to) {
+        to.sensor_begin.clear();
+        to.sensor_end.clear();
+        list_inside(pairs, sensors, to.overlaps);
+        auto &before = sensors.inside, &now = to.overlaps, &next = to.now_inside;
+        next.clear();
+        for (std::uint32_t i = 0, k = 0; i < before.size() || k < now.size();) {
+            if (i < before.size() && k < now.size() && before[i] == now[k]) {
+                next.push_back(now[k]);
+                ++i, ++k;
+            } else if (k == now.size() || (i < before.size() && before[i] < now[k])) {
+                const proxy_pair p = before[i++];
+                if (rests(p)) next.push_back(p);
+                else to.sensor_end.push_back(sensor_event_of<Plan>(in_.bodies, in_.shapes, p));
+            } else {
+                next.push_back(now[k]);
+                to.sensor_begin.push_back(sensor_event_of<Plan>(in_.bodies, in_.shapes, now[k++]));
+            }
+        }
+        before.swap(next);
+        for (const sensor_event& e : sensors.dropped) to.sensor_end.push_back(e);
+        if (!sensors.dropped.empty())
+            sort_in_place(
+                to.sensor_end.begin(), to.sensor_end.size(), [](const sensor_event& x, const sensor_event& y) {
+                    return proxy_pair{x.sensor.index, x.visitor.index} < proxy_pair{y.sensor.index, y.visitor.index};
+                });
+        sensors.dropped.clear();
+        for (auto* events : {&to.sensor_begin, &to.sensor_end})
+            for (sensor_event& e : *events)
+                e.sensor.world = e.visitor.world = e.sensor_body.world = e.visitor_body.world = in_.tag;
+    }
+
+private:
+    void list_inside(const buffer<proxy_pair>& pairs, const sensor_state& sensors, buffer<proxy_pair>& now) {
+        now.clear();
+        for (const proxy_pair& p : pairs) {
+            const bool a = sensors.is_sensor[p.a];
+            if (!a && !sensors.is_sensor[p.b]) continue;
+            const proxy_pair of = a ? p : proxy_pair{p.b, p.a};
+            const std::uint32_t visitor = in_.shapes[of.b].body;
+            if (in_.bodies[visitor].type == body_type::static_body) continue;
+            if constexpr (Plan::has_joints)
+                if (in_.joints.keep_apart(in_.shapes[of.a].body, visitor)) continue;
+            if (overlap(p)) now.push_back(of);
+        }
+        sort_in_place(now.begin(), now.size(), [](proxy_pair x, proxy_pair y) { return x < y; });
+    }
+    [[nodiscard]] bool overlap(proxy_pair pair) {
+        const proxy_pair p = in_order_of_kinds(in_.shapes, pair);
+        const auto& a = in_.shapes[p.a];
+        const auto& b = in_.shapes[p.b];
+        const typename Plan::query query{&a.shape, &b.shape, relative(a.pose, b.pose)};
+        manifolds_.clear();
+        if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, S(0), nullptr, manifolds_);
+        else Plan::narrowphase::collide(&query, 1, S(0), manifolds_);
+        for (const auto& [number, part, m] : manifolds_)
+            for (int k = 0; k < m.count; ++k)
+                if (!(m.points[k].separation > S(0))) return true;
+        return false;
+    }
+    /// Pairs of what stands and what sleeps are not among those of the broadphase.
+    [[nodiscard]] bool rests(proxy_pair p) const {
+        const std::uint32_t a = in_.shapes[p.a].body, b = in_.shapes[p.b].body;
+        return !in_.awake.has(a) && !in_.awake.has(b) && in_.bodies[b].type != body_type::static_body;
+    }
+
+    const sensor_input<Plan>& in_;
+    manifold_list<S, D>& manifolds_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/step/solve.hpp
 // =================================================================================================
 // The solver of a step: islands in batches, solved one by one or side by side.
@@ -34364,7 +34597,7 @@ protected:
         if (!(angle < 1) || !(reach < detail::to_double(scalar_traits<S>::max()) / 4)) return true;
         const aabb<S, D> path = grown(aabb<S, D>{min(start, end), max(start, end)}, static_cast<S>(reach));
         bool crossed = false;
-        each_shape(in_, pusher, [&](std::uint32_t, const shape_record<Plan>& record) {
+        each_solid_shape<Plan>(in_.bodies, in_.shapes, pusher, [&](std::uint32_t, const shape_record<Plan>& record) {
             crossed = crossed || overlap(bounds(record.shape, record.local), path);
         });
         return crossed;
@@ -34417,7 +34650,7 @@ protected:
         const transform<S, D> pose{moved_[m.number].center - turn * b.mass.center, turn};
         bool within = !data_.near_static[i] && !in_.sleep.is_asleep(i);
         bool first = true;
-        each_shape(in_, i, [&](std::uint32_t k, const shape_record<Plan>& record) {
+        each_solid_shape<Plan>(in_.bodies, in_.shapes, i, [&](std::uint32_t k, const shape_record<Plan>& record) {
             aabb<double, D> own = box_at(record, pose * record.local);
             if (m.goes_far) own = merged(own, box_at(record, record.pose));
             own = grown(own, spare);
@@ -34493,7 +34726,8 @@ protected:
         if (everything)
             for (const auto& partner : data_.moving_bodies)
                 if (overlap(partner.box, path))
-                    each_shape(in_, partner.body, [&](std::uint32_t k, const auto&) { add(k); });
+                    each_solid_shape<Plan>(in_.bodies, in_.shapes, partner.body,
+                                           [&](std::uint32_t k, const auto&) { add(k); });
         sort_once(found, data_.spare);
         return true;
     }
@@ -34518,7 +34752,7 @@ protected:
     PHYSICS_HPP_COLD void sweep_body(swept_body_type& m, const body_sweep& path) {
         m.stops = false;
         m.time = 1;
-        each_shape(in_, m.body, [&](std::uint32_t, const shape_record<Plan>& record) {
+        each_solid_shape<Plan>(in_.bodies, in_.shapes, m.body, [&](std::uint32_t, const shape_record<Plan>& record) {
             const mat<double, D> axes = to_matrix(record.local.rotation);
             const point<D> at = to_point(record.local.position) - to_point(in_.bodies[m.body].mass.center);
             record.shape.visit([&](const auto& shape) {
@@ -35031,6 +35265,22 @@ void start_step(step_data<Plan>& d, const task_runner& tasks) {
     d.pair_cache_changes.by.prepare(tasks.workers());
 }
 
+/// Boxes -> pairs of shapes that may touch.
+template <class Plan>
+const buffer<proxy_pair>& find_solid_pairs(state<Plan>& s, step_data<Plan>& d) {
+    if constexpr (Plan::events::sensors)
+        return without_sensors(find_pairs<Plan>(s.bodies, s.shapes, s.sleep, s.sensors, s.broadphase, d.scratch),
+                               s.sensors, d.events.solid_pairs);
+    else return find_pairs(s.broadphase, d.scratch);
+}
+template <class Plan>
+void update_sensors(state<Plan>& s, step_data<Plan>& d) {
+    const sensor_input<Plan> in{s.bodies, s.shapes, s.awake, s.joints, s.tag};
+    // The next step has less to search for.
+    const auto& pairs = find_pairs<Plan>(s.bodies, s.shapes, s.sleep, s.sensors, s.broadphase, d.scratch);
+    sensor_update<Plan>(in, d.manifolds[0]).run(pairs, s.sensors, d.events);
+}
+
 /// How a step went; if not well, the world is as it was.
 enum class step_result { done, bad_mixing_rule, out_of_range, bad_executor };
 
@@ -35059,7 +35309,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     // Bodies -> which of them move.
     list_awake(s.bodies, s.sleep, s.awake);
     // Boxes -> pairs of shapes, in order; joints -> those whose bodies none keeps apart.
-    const auto& overlapping = find_pairs(s.broadphase, d.scratch);
+    const auto& overlapping = find_solid_pairs(s, d);
     const auto& pairs = without_connected(overlapping, s.joints, s.shapes, d.joints);
     done(step_stage::find_pairs);
 
@@ -35126,6 +35376,10 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     if constexpr (Plan::sleeps) {
         // What was woken is awake for good, and so is what kinematic bodies are going to run into.
         commit_woken(to_wake(s, d));
+    }
+    // Poses, boxes -> what has come into sensors and left them, in d.events.
+    if constexpr (Plan::events::sensors) update_sensors(s, d);
+    if constexpr (Plan::sleeps) {
         wake_ahead(to_wake(s, d), h);
         // Contacts, joints, and how bodies move -> islands that fall asleep, with their contacts.
         if (fall_asleep<Plan>(s.contacts, joint_edges(d), s.settings, h, s.shapes, s.awake, s.bodies, s.sleep,
@@ -35226,6 +35480,8 @@ struct shape_def {
     physics::material<S, D> material = {};
     /// Which other shapes it meets.
     collision_filter filter = {};
+    /// True if it stops nothing and has no mass, but tells what is in it, in recipes that name event::sensor.
+    bool sensor = false;
     std::uint64_t user_data = 0;
 };
 template <class S, int D>
@@ -35234,6 +35490,7 @@ struct shape_def<S, D, false> {
     physics::rotation<S, D> rotation = {};
     S density = S(1);
     collision_filter filter = {};
+    bool sensor = false;
     std::uint64_t user_data = 0;
 };
 
@@ -35853,7 +36110,7 @@ auto mass_of_shapes(const state<Plan>& s, std::uint32_t body, std::uint32_t but 
     const auto add_more = [&] { sum = combined(sum, mass_of_shape<T>(*std::exchange(more, nullptr))); };
     each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
         if (more && i < s.shapes.next_index()) add_more();
-        if (i != but) sum = combined(sum, mass_of_shape<T>(shape));
+        if (i != but && !shape.sensor) sum = combined(sum, mass_of_shape<T>(shape));
     });
     if (more) add_more();
     return sum;
@@ -36698,7 +36955,8 @@ void wake_near(world_data<Plan>& s, std::uint32_t body) {
 template <class Plan>
 void wake_near_shape(world_data<Plan>& s, std::uint32_t shape) {
     if constexpr (Plan::sleeps)
-        if (s.sleep.sleepers != 0) {
+        if (s.sleep.sleepers != 0 &&
+            (!s.shapes[shape].sensor || s.bodies[s.shapes[shape].body].type == body_type::static_body)) {
             const wake_input<Plan> w = to_wake<Plan>(s, s.step);
             w.step.near.clear();
             list_near(w, s.shapes[shape], query_bounds(s, s.shapes[shape]));
@@ -36725,9 +36983,9 @@ std::uint32_t count_awake(const state<Plan>& s) {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/world/edit.hpp
+// physics/world/removal.hpp
 // =================================================================================================
-// How bodies and shapes come, go and change between steps.
+// How bodies and shapes go between steps.
 
 PHYSICS_HPP_BEGIN
 
@@ -36742,36 +37000,6 @@ void drop_contacts(world_data<Plan>& s, Gone&& gone) {
             if constexpr (Plan::events::contacts) note_dropped<Plan>(c, s.bodies, s.shapes, s.dropped.list);
         });
     s.step.contacts_of.is_stale = true;
-}
-
-template <class Plan>
-body_id create_body(world_data<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
-    if (!check_not_in_step(s, "create_body") || !check_body(def) ||
-        !check_turn<Plan>("create_body", def.angular_velocity, def.angular_damping) ||
-        !check_continuous<Plan>("create_body", def.continuous))
-        return {};
-    typename Plan::body b;
-    b.type = def.type;
-    b.rotation = normalized(def.rotation);
-    b.center = def.position;
-    if (def.type != body_type::static_body) b.velocity.linear = def.linear_velocity;
-    b.linear_damping = def.linear_damping;
-    b.gravity_scale = def.gravity_scale;
-    if constexpr (Plan::rotates) {
-        if (def.type != body_type::static_body) b.velocity.angular = def.angular_velocity;
-        b.angular_damping = def.angular_damping;
-        b.rotation_locked = def.rotation_locked;
-    }
-    b.can_sleep = def.can_sleep;
-    b.continuous = def.continuous;
-    b.user_data = def.user_data;
-    const auto place = s.bodies.insert(b);
-    if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
-    s.contact_starts.resize(s.bodies.slots());
-    if constexpr (Plan::has_joints) s.joints.first.resize(s.bodies.slots(), no_joint);
-    s.awake.is_stale = true;
-    refresh_mass(s, place.index);
-    return {place.index, place.generation, s.tag};
 }
 
 /// Takes a joint out of its bodies' lists and of its kind.
@@ -36789,6 +37017,19 @@ void erase_joint(world_data<Plan>& s, std::uint32_t index) {
     s.joints.records.erase(index);
 }
 
+/// Forgets shapes as sensors, and in sensors, for which gone(shape) is true and each(f) calls f(shape).
+template <class Plan, class Each, class Gone>
+void drop_sensors([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] Each&& each, [[maybe_unused]] Gone&& gone) {
+    if constexpr (Plan::events::sensors) {
+        drop_visitors<Plan>(s.bodies, s.shapes, s.sensors, gone);
+        each([&](std::uint32_t shape) {
+            if (!s.sensors.is_sensor[shape]) return;
+            s.sensors.is_sensor.clear(shape);
+            s.sensors.count = s.sensors.count - 1;
+        });
+    }
+}
+
 /// Removes bodies, for which each(f) calls f(body) and is_gone(body) is true.
 template <class Plan, class Each, class Gone>
 void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
@@ -36800,6 +37041,12 @@ void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
     drop_contacts(s, [&](const auto& c) { return is_gone(c.bodies.body_a) || is_gone(c.bodies.body_b); });
     s.awake.is_stale = true;
     s.memories.drop([&](std::uint32_t shape) { return is_gone(s.shapes[shape].body); });
+    drop_sensors(
+        s,
+        [&](auto&& f) {
+            each([&](std::uint32_t body) { each_shape(s, body, [&](std::uint32_t i, const auto&) { f(i); }); });
+        },
+        [&](std::uint32_t shape) { return is_gone(s.shapes[shape].body); });
     each([&](std::uint32_t body) {
         each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>&) {
             s.broadphase.erase(i);
@@ -36852,6 +37099,67 @@ void clear(world_data<Plan>& s) {
         [](std::uint32_t) { return true; });
 }
 
+template <class Plan>
+void destroy_shape(world_data<Plan>& s, std::uint32_t index) {
+    const std::uint32_t body = s.shapes[index].body;
+    const auto& owner = s.bodies[body];
+    if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
+    wake_affected(s, body);
+    drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
+    s.memories.drop([&](std::uint32_t shape) { return shape == index; });
+    drop_sensors(
+        s, [&](auto&& f) { f(index); }, [&](std::uint32_t shape) { return shape == index; });
+    std::uint32_t* link = &s.bodies[body].first_shape;
+    while (*link != index) link = &s.shapes[*link].next;
+    *link = s.shapes[index].next;
+    s.broadphase.erase(index);
+    s.shapes.erase(index);
+    refresh_mass(s, body);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/edit.hpp
+// =================================================================================================
+// How bodies and shapes come and change between steps.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+template <class Plan>
+body_id create_body(world_data<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
+    if (!check_not_in_step(s, "create_body") || !check_body(def) ||
+        !check_turn<Plan>("create_body", def.angular_velocity, def.angular_damping) ||
+        !check_continuous<Plan>("create_body", def.continuous))
+        return {};
+    typename Plan::body b;
+    b.type = def.type;
+    b.rotation = normalized(def.rotation);
+    b.center = def.position;
+    if (def.type != body_type::static_body) b.velocity.linear = def.linear_velocity;
+    b.linear_damping = def.linear_damping;
+    b.gravity_scale = def.gravity_scale;
+    if constexpr (Plan::rotates) {
+        if (def.type != body_type::static_body) b.velocity.angular = def.angular_velocity;
+        b.angular_damping = def.angular_damping;
+        b.rotation_locked = def.rotation_locked;
+    }
+    b.can_sleep = def.can_sleep;
+    b.continuous = def.continuous;
+    b.user_data = def.user_data;
+    const auto place = s.bodies.insert(b);
+    if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
+    s.contact_starts.resize(s.bodies.slots());
+    if constexpr (Plan::has_joints) s.joints.first.resize(s.bodies.slots(), no_joint);
+    s.awake.is_stale = true;
+    refresh_mass(s, place.index);
+    return {place.index, place.generation, s.tag};
+}
+
 /// Adds a shape that has been checked to a body; without a mass, only to one that is not dynamic.
 template <class Plan>
 shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
@@ -36861,8 +37169,12 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     if (!check_pose(f, def.position, def.rotation) || !check_not_negative(f, "density", def.density)) return {};
     if constexpr (Plan::features::materials)
         if (!check_material<Plan>(f, def.material)) return {};
+    if (!Plan::events::sensors && def.sensor) {
+        refuse(f, "sensor", "true", "the recipe does not name event::sensor");
+        return {};
+    }
     const auto& owner = s.bodies[body];
-    if (!has_mass && owner.is_dynamic()) {
+    if (!has_mass && owner.is_dynamic() && !def.sensor) {
         refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
         return {};
     }
@@ -36872,42 +37184,34 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     if constexpr (Plan::features::materials) record.material = def.material;
     record.density = def.density;
     record.filter = def.filter;
+    record.sensor = def.sensor;
     record.body = body;
     record.user_data = def.user_data;
     update_pose(record, owner.pose(), owner.center);
     const auto box = query_bounds(s, record);
     if (!check_extent(f, box)) return {};
-    if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
+    if (def.density > S(0) && !def.sensor && owner.is_dynamic() && !owner.mass_is_set &&
         !check_shapes_mass(s, body, f, no_shape, &record))
         return {};
     // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
     wake_affected(s, body);
     const auto place = s.shapes.insert(record);
+    if constexpr (Plan::events::sensors) {
+        s.sensors.is_sensor.grow(s.shapes.slots());
+        if (def.sensor) {
+            s.sensors.is_sensor.set(place.index);
+            s.sensors.count = s.sensors.count + 1;
+        }
+    }
     std::uint32_t* link = &s.bodies[body].first_shape;
     while (*link != no_shape && *link > place.index) link = &s.shapes[*link].next;
     s.shapes[place.index].next = std::exchange(*link, place.index);
     s.broadphase.insert(place.index, box, filter_of(s, record));
     // What is not dynamic takes no mass from it: n shapes on one body cost O(n).
     if (owner.is_dynamic()) refresh_mass(s, body);
-    else extend_extent(s, s.shapes[place.index]);
+    else if (!def.sensor) extend_extent(s, s.shapes[place.index]);
     wake_near_shape(s, place.index);
     return {place.index, place.generation, s.tag};
-}
-
-template <class Plan>
-void destroy_shape(world_data<Plan>& s, std::uint32_t index) {
-    const std::uint32_t body = s.shapes[index].body;
-    const auto& owner = s.bodies[body];
-    if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
-    wake_affected(s, body);
-    drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
-    s.memories.drop([&](std::uint32_t shape) { return shape == index; });
-    std::uint32_t* link = &s.bodies[body].first_shape;
-    while (*link != index) link = &s.shapes[*link].next;
-    *link = s.shapes[index].next;
-    s.broadphase.erase(index);
-    s.shapes.erase(index);
-    refresh_mass(s, body);
 }
 
 template <class Plan>
@@ -36927,6 +37231,9 @@ void set_pose(world_data<Plan>& s, std::uint32_t index, const transform<typename
     });
     if (!fits) return;
     wake_affected(s, index);
+    // What sleeps in its sensors is looked at again.
+    if constexpr (Plan::events::sensors)
+        if (s.sensors.count > 0 && b.type == body_type::static_body) wake_near(s, index);
     b.set_pose(pose);
     if (b.type == body_type::static_body) s.awake.is_stale = true;
     refresh_boxes(s, index);
@@ -36969,6 +37276,7 @@ void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
     if (type == body_type::dynamic_body) {
         bool solid = true;
         each_shape(s, index, [&](std::uint32_t, const auto& record) {
+            if (record.sensor) return;
             record.shape.visit([&](const auto& shape) {
                 solid = solid && solid_shape_for<std::remove_cvref_t<decltype(shape)>, S, D>;
             });
@@ -37045,6 +37353,7 @@ void set_filter(world_data<Plan>& s, std::uint32_t index, const collision_filter
     auto& shape = s.shapes[index];
     if (filter == shape.filter) return;
     wake_affected(s, shape.body);
+    if (shape.sensor) wake_near_shape(s, index);
     shape.filter = filter;
     drop_contacts(s, [&](const auto& c) {
         return (c.shape_a == index || c.shape_b == index) &&
@@ -37294,7 +37603,7 @@ public:
     }
     template <class Plan>
     void add(const shape_record<Plan>& s) {
-        add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body);
+        add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body | std::uint64_t{s.sensor} << 63);
         add(s.local);
         const auto material = s.material.whole();
         add(material.friction);
@@ -37985,6 +38294,36 @@ public:
     [[nodiscard]] const buffer<hit_event<S, D>>& hit_events() const requires(Plan::events::hits) {
         return data().step.events.hits;
     }
+    /// Whether a shape is a sensor: it has no mass, stops nothing and is seen by no query unless that asks for sensors.
+    /// Shapes of dynamic and kinematic bodies are in it that are no sensors, which its filter meets, and whose surface
+    /// or inside, of concave ones the surface, overlaps it. It tells of poses at the end of the step, whoever sleeps;
+    /// what passes through it in less than a step it does not see. To change a static one wakes what sleeps there.
+    [[nodiscard]] bool is_sensor(shape_id id) const {
+        const detail::lookup at = detail::find_shape(data(), id, "is_sensor");
+        return at && data().shapes[at.index].sensor;
+    }
+    /// Calls visit(shape_id) for what was in a sensor as the last step ended, and is not destroyed since, in ascending
+    /// order; visit may change the world. O(log of all such pairs + their number).
+    template <class Visit>
+    void each_visitor(shape_id sensor, Visit&& visit) const requires(Plan::events::sensors) {
+        const detail::lookup at = detail::find_shape(data(), sensor, "each_visitor");
+        if (!at) return;
+        small_list found;
+        const auto& s = data();
+        const auto& inside = s.sensors.inside;
+        for (std::uint32_t i = detail::first_pair(inside, {at.index, 0}); i < inside.size() && inside[i].a == at.index;
+             ++i)
+            found.push_back({inside[i].b, s.shapes.generation(inside[i].b), s.tag});
+        for (const shape_id visitor : found)
+            if (visitor.world == data().tag && s.shapes.contains(visitor.index, visitor.generation)) visit(visitor);
+    }
+    /// Shapes that have come into sensors in the last step, as sensor_events, and those that have left them.
+    [[nodiscard]] const buffer<sensor_event>& sensor_begin_events() const requires(Plan::events::sensors) {
+        return data().step.events.sensor_begin;
+    }
+    [[nodiscard]] const buffer<sensor_event>& sensor_end_events() const requires(Plan::events::sensors) {
+        return data().step.events.sensor_end;
+    }
     /// Bodies that have fallen asleep in the last step, and those that have woken up in it or between it and the one
     /// before, in no order. They may have been destroyed since.
     [[nodiscard]] const buffer<body_id>& sleep_events() const requires(Plan::events::sleep) {
@@ -37996,6 +38335,7 @@ public:
 
 private:
     using range = detail::own_contact_range<Plan>;
+    using small_list = detail::small_buffer<shape_id, 16>;
 
     const auto& data() const { return detail::world_access::data_of(static_cast<const World&>(*this)); }
     template <class Which>

@@ -12,10 +12,10 @@
 namespace {
 namespace events_laws {
 
-struct eventful
-    : physics::recipe<S, cell::dimension,
-                      physics::shapes<physics::ball, physics::box, physics::halfspace, physics::compound>,
-                      physics::events<physics::event::contact, physics::event::hit, physics::event::sleep>> {};
+struct eventful : physics::recipe<S, cell::dimension,
+                                  physics::shapes<physics::ball, physics::box, physics::halfspace, physics::compound>,
+                                  physics::events<physics::event::contact, physics::event::hit, physics::event::sensor,
+                                                  physics::event::sleep>> {};
 struct silent : physics::recipe<S, cell::dimension,
                                 physics::shapes<physics::ball, physics::box, physics::halfspace, physics::compound>> {};
 using world = physics::world<eventful>;

@@ -22,7 +22,7 @@ struct collision_filter {
 };
 
 /// Which proxies can form a pair: those of which a collision_filter says so, if the owners differ and at least one is
-/// movable.
+/// movable, and not both are sensors.
 struct proxy_filter {
     std::uint32_t category = 1;
     std::uint32_t mask = all_categories;
@@ -32,6 +32,8 @@ struct proxy_filter {
     /// False for what nothing pushes: static and kinematic geometry. Such proxies never meet each other, and cost
     /// nothing while they rest.
     bool movable = true;
+    /// Whether it only senses what it meets; queries leave it out unless they are to see it.
+    bool sensor = false;
 
     friend bool operator==(const proxy_filter&, const proxy_filter&) = default;
 };
@@ -43,7 +45,7 @@ constexpr bool may_meet(const collision_filter& a, const collision_filter& b) {
 }
 constexpr bool may_meet(const proxy_filter& a, const proxy_filter& b) {
     return may_meet(collision_filter{a.category, a.mask, a.group}, collision_filter{b.category, b.mask, b.group}) &&
-           (a.owner != b.owner || a.owner == detail::null_index) && (a.movable || b.movable);
+           (a.owner != b.owner || a.owner == detail::null_index) && (a.movable || b.movable) && !(a.sensor && b.sensor);
 }
 
 /// How much larger than their proxies boxes are kept, so that small moves leave them alone.

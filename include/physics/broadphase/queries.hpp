@@ -18,10 +18,12 @@ struct query_filter {
     body_id except = {};
     /// Whether categories and masks do not matter to it.
     bool any_category = false;
+    /// Whether it sees sensors too.
+    bool sensors = false;
 
     [[nodiscard]] constexpr bool sees(const proxy_filter& p) const {
         return (any_category || ((p.category & mask) != 0 && (category & p.mask) != 0)) && (movable || !p.movable) &&
-               (!except || p.owner != except.index);
+               (sensors || !p.sensor) && (!except || p.owner != except.index);
     }
 };
 

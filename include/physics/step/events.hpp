@@ -1,6 +1,7 @@
 // Events: what a step tells of contacts and sleep, where a recipe asks for it.
 #pragma once
 
+#include "physics/base/bit_array.hpp"
 #include "physics/base/buffer.hpp"
 #include "physics/base/handle.hpp"
 #include "physics/base/stage.hpp"
@@ -16,6 +17,8 @@ namespace event {
 struct contact {};
 /// Shapes that hit each other.
 struct hit {};
+/// Shapes that come into sensors and leave them; only then can shapes be sensors.
+struct sensor {};
 /// Bodies that fall asleep and wake up.
 struct sleep {};
 }  // namespace event
@@ -34,8 +37,9 @@ private:
 public:
     static constexpr bool contacts = has<event::contact>;
     static constexpr bool hits = has<event::hit>;
+    static constexpr bool sensors = has<event::sensor>;
     static constexpr bool sleep = has<event::sleep>;
-    static constexpr bool known = (is_one_of<Kinds, event::contact, event::hit, event::sleep> && ...);
+    static constexpr bool known = (is_one_of<Kinds, event::contact, event::hit, event::sensor, event::sleep> && ...);
 };
 
 /// When events are told of.
@@ -71,6 +75,16 @@ struct hit_event {
     S approach_speed{}, impulse{};
 };
 
+/// A shape that has come into a sensor in the last step, or has left it.
+struct sensor_event {
+    shape_id sensor, visitor;
+    body_id sensor_body, visitor_body;
+    /// What users had given the shapes and their bodies.
+    std::uint64_t sensor_data = 0, visitor_data = 0, sensor_body_data = 0, visitor_body_data = 0;
+    /// True if one of the shapes has been destroyed.
+    bool gone = false;
+};
+
 namespace detail {
 
 struct no_event_settings {};
@@ -87,22 +101,38 @@ struct sleep_changes {
     PHYSICS_HPP_MEMBERS(slept, woken)
 };
 struct no_changes {};
+/// What lasts of sensors.
+struct sensor_state {
+    /// Of each shape, and how many are.
+    bit_array is_sensor;
+    reset_on_move<std::uint32_t> count;
+    /// Pairs of a sensor and what is in it, in ascending order.
+    buffer<proxy_pair> inside;
+    /// What left by being destroyed since the last step.
+    buffer<sensor_event> dropped;
+    PHYSICS_HPP_MEMBERS(is_sensor, count, inside, dropped)
+};
 
 /// What the last step told, and what that followed from.
 template <class S, int D>
 struct step_events {
     buffer<contact_event> contact_begin, contact_end;
     buffer<hit_event<S, D>> hits;
+    buffer<sensor_event> sensor_begin, sensor_end;
     buffer<body_id> slept, woken;
     /// Pairs that have begun to touch and not ceased to, with a body that can be pushed: those of the last step, in
     /// ascending order, unless they have to be listed anew.
     buffer<proxy_pair> touching, now_touching;
     bool is_stale = true;
+    /// Pairs without sensors; pairs of sensors and what is in them.
+    buffer<proxy_pair> solid_pairs, overlaps, now_inside;
 
     void forget() {
         contact_begin.clear();
         contact_end.clear();
         hits.clear();
+        sensor_begin.clear();
+        sensor_end.clear();
         slept.clear();
         woken.clear();
         is_stale = true;
@@ -112,8 +142,9 @@ struct no_events {
     void forget() {}
 };
 template <class Plan>
-using step_events_of = std::conditional_t<Plan::events::contacts || Plan::events::hits || Plan::events::sleep,
-                                          step_events<typename Plan::scalar, Plan::dimension>, no_events>;
+using step_events_of =
+    std::conditional_t<Plan::events::contacts || Plan::events::hits || Plan::events::sensors || Plan::events::sleep,
+                       step_events<typename Plan::scalar, Plan::dimension>, no_events>;
 
 /// Changes since the last step told of such -> what this one tells.
 template <class S, int D>

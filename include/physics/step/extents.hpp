@@ -76,7 +76,7 @@ body_extent<typename Plan::scalar> measure_body(const pool<typename Plan::body>&
                                                 std::uint32_t index) {
     using S = typename Plan::scalar;
     body_extent<S> all{static_cast<S>(static_cast<double>(scalar_traits<S>::max()) * 0.25), {}, 0};
-    each_shape(bodies, shapes, index, [&](std::uint32_t, const shape_record<Plan>& record) {
+    each_solid_shape<Plan>(bodies, shapes, index, [&](std::uint32_t, const shape_record<Plan>& record) {
         all = merged(all, measure_shape(record, bodies[index]));
     });
     return all;

@@ -10,11 +10,15 @@ namespace detail {
 
 /// Boxes -> pairs of shapes whose boxes overlap, in order, of two bodies of which one at least can be pushed: the
 /// filters that shapes were inserted with say so.
+template <class Broadphase, class Accept>
+const buffer<proxy_pair>& find_pairs(Broadphase& broadphase, const Accept& accept, [[maybe_unused]] arena& scratch) {
+    if constexpr (requires { broadphase.pairs(accept, scratch); }) return broadphase.pairs(accept, scratch);
+    else return broadphase.pairs(accept);
+}
 template <class Broadphase>
-const buffer<proxy_pair>& find_pairs(Broadphase& broadphase, [[maybe_unused]] arena& scratch) {
-    const auto all = [](std::uint32_t, std::uint32_t) { return true; };
-    if constexpr (requires { broadphase.pairs(all, scratch); }) return broadphase.pairs(all, scratch);
-    else return broadphase.pairs(all);
+const buffer<proxy_pair>& find_pairs(Broadphase& broadphase, arena& scratch) {
+    return find_pairs(
+        broadphase, [](std::uint32_t, std::uint32_t) { return true; }, scratch);
 }
 
 }  // namespace detail

@@ -139,6 +139,8 @@ void wake_near(const wake_input<Plan>& w, std::uint32_t body,
     if (w.sleep.sleepers == 0) return;
     w.step.near.clear();
     each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto& shape) {
+        // What comes into a sensor that moves is seen though it sleeps.
+        if (shape.sensor && w.bodies[body].type != body_type::static_body) return;
         list_near(w, shape, merged(query_bounds(w, shape), bounds(shape.shape, to * shape.local)));
     });
     each_connected(w.joints, body, [&](std::uint32_t other) { w.step.near.push_back(other); });

@@ -28,11 +28,12 @@ struct shape_record {
     [[no_unique_address]] stored_material<S, D, typename Plan::features> material;
     S density{};
     collision_filter filter;
+    bool sensor = false;
     std::uint32_t body = 0;
     /// The body's shape of the next lower number.
     std::uint32_t next = no_shape;
     std::uint64_t user_data = 0;
-    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, filter, body, next, user_data)
+    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, filter, sensor, body, next, user_data)
 };
 
 /// The shapes of a world. It is one of the owners of the geometry that its shapes are made of.
@@ -180,13 +181,14 @@ struct state {
     [[no_unique_address]] joints_of<Plan> joints;
     /// Shapes that touched each other until users took their contacts away since the last step.
     [[no_unique_address]] std::conditional_t<Plan::events::contacts, dropped_contacts, no_changes> dropped;
+    [[no_unique_address]] std::conditional_t<Plan::events::sensors, sensor_state, no_changes> sensors;
     std::uint64_t steps = 0;
     /// Lengths of the steps in which the contacts' impulses act.
     solver_api::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     unsaved<std::uint16_t> tag;
     PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
-                        sleep, continuous, joints, dropped, steps, step_lengths, tag)
+                        sleep, continuous, joints, dropped, sensors, steps, step_lengths, tag)
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
@@ -227,11 +229,17 @@ auto query_bounds(const World& w, const shape_record<Plan>& shape) {
 template <class Plan>
 proxy_filter filter_of(const shape_record<Plan>& shape, bool movable) {
     const collision_filter& f = shape.filter;
-    return {f.category, f.mask, f.group, shape.body, movable};
+    return {f.category, f.mask, f.group, shape.body, movable, shape.sensor};
+}
+/// Whether the broadphase is to find what a body meets: it can be pushed, or moves where sensors may see it.
+template <class Plan>
+bool is_movable(const pool<typename Plan::body>& bodies, const sleep_of<Plan>& sleep, std::uint32_t body) {
+    return is_awake_dynamic(bodies, sleep, body) ||
+           (Plan::events::sensors && bodies[body].type == body_type::kinematic_body);
 }
 template <class World, class Plan>
 proxy_filter filter_of(const World& w, const shape_record<Plan>& shape) {
-    return filter_of(shape, is_awake_dynamic(w.bodies, w.sleep, shape.body));
+    return filter_of(shape, is_movable<Plan>(w.bodies, w.sleep, shape.body));
 }
 template <class Plan>
 void configure_broadphase(state<Plan>& s) {
@@ -257,13 +265,23 @@ template <class State, class F>
 void each_shape(State& s, std::uint32_t body, F&& f) {
     each_shape(s.bodies, s.shapes, body, f);
 }
+/// The same for those that are no sensors.
+template <class Plan, class F>
+void each_solid_shape(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes, std::uint32_t body,
+                      F&& f) {
+    each_shape(bodies, shapes, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+        if constexpr (Plan::events::sensors)
+            if (shape.sensor) return;
+        f(i, shape);
+    });
+}
 
 /// Enters the shapes of a body into the broadphase anew: it has become another kind of proxy.
 template <class Plan>
 void reinsert_proxies(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
                       const sleep_of<Plan>& sleep, typename Plan::scalar margin, typename Plan::broadphase& broadphase,
                       std::uint32_t body) {
-    const bool movable = is_awake_dynamic(bodies, sleep, body);
+    const bool movable = is_movable<Plan>(bodies, sleep, body);
     each_shape(bodies, shapes, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
         broadphase.erase(i);
         broadphase.insert(i, box_within(margin, shape), filter_of(shape, movable));

@@ -7,6 +7,7 @@
 #include "physics/step/find_pairs.hpp"
 #include "physics/step/publish.hpp"
 #include "physics/step/seams.hpp"
+#include "physics/step/sensors.hpp"
 #include "physics/step/solve.hpp"
 #include "physics/step/sweep.hpp"
 #include "physics/step/update_boxes.hpp"
@@ -24,6 +25,22 @@ void start_step(step_data<Plan>& d, const task_runner& tasks) {
     d.manifolds.prepare(tasks.workers());
     d.contacts_by_worker.prepare(tasks.workers());
     d.pair_cache_changes.by.prepare(tasks.workers());
+}
+
+/// Boxes -> pairs of shapes that may touch.
+template <class Plan>
+const buffer<proxy_pair>& find_solid_pairs(state<Plan>& s, step_data<Plan>& d) {
+    if constexpr (Plan::events::sensors)
+        return without_sensors(find_pairs<Plan>(s.bodies, s.shapes, s.sleep, s.sensors, s.broadphase, d.scratch),
+                               s.sensors, d.events.solid_pairs);
+    else return find_pairs(s.broadphase, d.scratch);
+}
+template <class Plan>
+void update_sensors(state<Plan>& s, step_data<Plan>& d) {
+    const sensor_input<Plan> in{s.bodies, s.shapes, s.awake, s.joints, s.tag};
+    // The next step has less to search for.
+    const auto& pairs = find_pairs<Plan>(s.bodies, s.shapes, s.sleep, s.sensors, s.broadphase, d.scratch);
+    sensor_update<Plan>(in, d.manifolds[0]).run(pairs, s.sensors, d.events);
 }
 
 /// How a step went; if not well, the world is as it was.
@@ -54,7 +71,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     // Bodies -> which of them move.
     list_awake(s.bodies, s.sleep, s.awake);
     // Boxes -> pairs of shapes, in order; joints -> those whose bodies none keeps apart.
-    const auto& overlapping = find_pairs(s.broadphase, d.scratch);
+    const auto& overlapping = find_solid_pairs(s, d);
     const auto& pairs = without_connected(overlapping, s.joints, s.shapes, d.joints);
     done(step_stage::find_pairs);
 
@@ -121,6 +138,10 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     if constexpr (Plan::sleeps) {
         // What was woken is awake for good, and so is what kinematic bodies are going to run into.
         commit_woken(to_wake(s, d));
+    }
+    // Poses, boxes -> what has come into sensors and left them, in d.events.
+    if constexpr (Plan::events::sensors) update_sensors(s, d);
+    if constexpr (Plan::sleeps) {
         wake_ahead(to_wake(s, d), h);
         // Contacts, joints, and how bodies move -> islands that fall asleep, with their contacts.
         if (fall_asleep<Plan>(s.contacts, joint_edges(d), s.settings, h, s.shapes, s.awake, s.bodies, s.sleep,

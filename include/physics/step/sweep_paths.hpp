@@ -84,7 +84,7 @@ protected:
         if (!(angle < 1) || !(reach < detail::to_double(scalar_traits<S>::max()) / 4)) return true;
         const aabb<S, D> path = grown(aabb<S, D>{min(start, end), max(start, end)}, static_cast<S>(reach));
         bool crossed = false;
-        each_shape(in_, pusher, [&](std::uint32_t, const shape_record<Plan>& record) {
+        each_solid_shape<Plan>(in_.bodies, in_.shapes, pusher, [&](std::uint32_t, const shape_record<Plan>& record) {
             crossed = crossed || overlap(bounds(record.shape, record.local), path);
         });
         return crossed;
@@ -137,7 +137,7 @@ protected:
         const transform<S, D> pose{moved_[m.number].center - turn * b.mass.center, turn};
         bool within = !data_.near_static[i] && !in_.sleep.is_asleep(i);
         bool first = true;
-        each_shape(in_, i, [&](std::uint32_t k, const shape_record<Plan>& record) {
+        each_solid_shape<Plan>(in_.bodies, in_.shapes, i, [&](std::uint32_t k, const shape_record<Plan>& record) {
             aabb<double, D> own = box_at(record, pose * record.local);
             if (m.goes_far) own = merged(own, box_at(record, record.pose));
             own = grown(own, spare);

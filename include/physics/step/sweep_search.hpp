@@ -48,7 +48,8 @@ protected:
         if (everything)
             for (const auto& partner : data_.moving_bodies)
                 if (overlap(partner.box, path))
-                    each_shape(in_, partner.body, [&](std::uint32_t k, const auto&) { add(k); });
+                    each_solid_shape<Plan>(in_.bodies, in_.shapes, partner.body,
+                                           [&](std::uint32_t k, const auto&) { add(k); });
         sort_once(found, data_.spare);
         return true;
     }
@@ -73,7 +74,7 @@ protected:
     PHYSICS_HPP_COLD void sweep_body(swept_body_type& m, const body_sweep& path) {
         m.stops = false;
         m.time = 1;
-        each_shape(in_, m.body, [&](std::uint32_t, const shape_record<Plan>& record) {
+        each_solid_shape<Plan>(in_.bodies, in_.shapes, m.body, [&](std::uint32_t, const shape_record<Plan>& record) {
             const mat<double, D> axes = to_matrix(record.local.rotation);
             const point<D> at = to_point(record.local.position) - to_point(in_.bodies[m.body].mass.center);
             record.shape.visit([&](const auto& shape) {

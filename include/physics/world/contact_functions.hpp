@@ -55,6 +55,36 @@ public:
     [[nodiscard]] const buffer<hit_event<S, D>>& hit_events() const requires(Plan::events::hits) {
         return data().step.events.hits;
     }
+    /// Whether a shape is a sensor: it has no mass, stops nothing and is seen by no query unless that asks for sensors.
+    /// Shapes of dynamic and kinematic bodies are in it that are no sensors, which its filter meets, and whose surface
+    /// or inside, of concave ones the surface, overlaps it. It tells of poses at the end of the step, whoever sleeps;
+    /// what passes through it in less than a step it does not see. To change a static one wakes what sleeps there.
+    [[nodiscard]] bool is_sensor(shape_id id) const {
+        const detail::lookup at = detail::find_shape(data(), id, "is_sensor");
+        return at && data().shapes[at.index].sensor;
+    }
+    /// Calls visit(shape_id) for what was in a sensor as the last step ended, and is not destroyed since, in ascending
+    /// order; visit may change the world. O(log of all such pairs + their number).
+    template <class Visit>
+    void each_visitor(shape_id sensor, Visit&& visit) const requires(Plan::events::sensors) {
+        const detail::lookup at = detail::find_shape(data(), sensor, "each_visitor");
+        if (!at) return;
+        small_list found;
+        const auto& s = data();
+        const auto& inside = s.sensors.inside;
+        for (std::uint32_t i = detail::first_pair(inside, {at.index, 0}); i < inside.size() && inside[i].a == at.index;
+             ++i)
+            found.push_back({inside[i].b, s.shapes.generation(inside[i].b), s.tag});
+        for (const shape_id visitor : found)
+            if (visitor.world == data().tag && s.shapes.contains(visitor.index, visitor.generation)) visit(visitor);
+    }
+    /// Shapes that have come into sensors in the last step, as sensor_events, and those that have left them.
+    [[nodiscard]] const buffer<sensor_event>& sensor_begin_events() const requires(Plan::events::sensors) {
+        return data().step.events.sensor_begin;
+    }
+    [[nodiscard]] const buffer<sensor_event>& sensor_end_events() const requires(Plan::events::sensors) {
+        return data().step.events.sensor_end;
+    }
     /// Bodies that have fallen asleep in the last step, and those that have woken up in it or between it and the one
     /// before, in no order. They may have been destroyed since.
     [[nodiscard]] const buffer<body_id>& sleep_events() const requires(Plan::events::sleep) {
@@ -66,6 +96,7 @@ public:
 
 private:
     using range = detail::own_contact_range<Plan>;
+    using small_list = detail::small_buffer<shape_id, 16>;
 
     const auto& data() const { return detail::world_access::data_of(static_cast<const World&>(*this)); }
     template <class Which>

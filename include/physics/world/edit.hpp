@@ -1,23 +1,11 @@
-// How bodies and shapes come, go and change between steps.
+// How bodies and shapes come and change between steps.
 #pragma once
 
-#include "physics/world/check.hpp"
-#include "physics/world/wake.hpp"
+#include "physics/world/removal.hpp"
 
 PHYSICS_HPP_BEGIN
 
 namespace detail {
-
-/// Forgets the contacts for which gone(contact) is true; the others keep their order.
-template <class Plan, class Gone>
-void drop_contacts(world_data<Plan>& s, Gone&& gone) {
-    partition_contacts(
-        s.contacts, [&](const auto& c) { return !gone(c); },
-        [&]([[maybe_unused]] const auto& c) {
-            if constexpr (Plan::events::contacts) note_dropped<Plan>(c, s.bodies, s.shapes, s.dropped.list);
-        });
-    s.step.contacts_of.is_stale = true;
-}
 
 template <class Plan>
 body_id create_body(world_data<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
@@ -49,84 +37,6 @@ body_id create_body(world_data<Plan>& s, const body_def<typename Plan::scalar, P
     return {place.index, place.generation, s.tag};
 }
 
-/// Takes a joint out of its bodies' lists and of its kind.
-template <class Plan>
-void erase_joint(world_data<Plan>& s, std::uint32_t index) {
-    const joint_record gone = s.joints.records[index];
-    for (const std::uint32_t body : {gone.body_a, gone.body_b}) {
-        std::uint32_t* link = &s.joints.first[body];
-        while (*link != index) link = &s.joints.records[*link].next(body);
-        *link = gone.next(body);
-    }
-    s.joints.each_kind(s.joints, [&](std::uint32_t kind, auto& of_kind) {
-        if (kind == gone.kind) of_kind.erase(gone.slot);
-    });
-    s.joints.records.erase(index);
-}
-
-/// Removes bodies, for which each(f) calls f(body) and is_gone(body) is true.
-template <class Plan, class Each, class Gone>
-void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
-    wake_affected(s, each, is_gone);
-    if constexpr (Plan::has_joints)
-        each([&](std::uint32_t body) {
-            s.joints.each_of(body, [&](std::uint32_t i, const auto&) { erase_joint(s, i); });
-        });
-    drop_contacts(s, [&](const auto& c) { return is_gone(c.bodies.body_a) || is_gone(c.bodies.body_b); });
-    s.awake.is_stale = true;
-    s.memories.drop([&](std::uint32_t shape) { return is_gone(s.shapes[shape].body); });
-    each([&](std::uint32_t body) {
-        each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>&) {
-            s.broadphase.erase(i);
-            s.shapes.erase(i);
-        });
-        s.bodies.erase(body);
-    });
-}
-template <class Plan>
-void destroy_body(world_data<Plan>& s, std::uint32_t index) {
-    destroy_bodies(
-        s, [&](auto&& f) { f(index); }, [&](std::uint32_t body) { return body == index; });
-}
-template <class Plan>
-void destroy_bodies(world_data<Plan>& s, const body_id* ids, std::uint32_t count) {
-    const char* f = "destroy_bodies";
-    if (count == 0 || !check_not_in_step(s, f)) return;
-    if (ids == nullptr) {
-        refuse(f, "ids", "null", "it must hold as many as are to be destroyed");
-        return;
-    }
-    bit_array gone;
-    gone.grow(s.bodies.slots());
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const lookup at = find_body(s, ids[i], f);
-        if (!at) return;
-        if (gone[at.index]) {
-            refuse(f, "body", static_cast<double>(at.index), "it must be listed once");
-            return;
-        }
-        gone.set(at.index);
-    }
-    destroy_bodies(
-        s,
-        [&](auto&& destroy) {
-            for (std::uint32_t i = 0; i < count; ++i) destroy(ids[i].index);
-        },
-        [&](std::uint32_t body) { return gone[body]; });
-}
-template <class Plan>
-void clear(world_data<Plan>& s) {
-    if (!check_not_in_step(s, "clear")) return;
-    buffer<std::uint32_t> all;
-    s.bodies.each([&](std::uint32_t i, const auto&) { all.push_back(i); });
-    destroy_bodies(
-        s,
-        [&](auto&& destroy) {
-            for (const std::uint32_t i : all) destroy(i);
-        },
-        [](std::uint32_t) { return true; });
-}
-
 /// Adds a shape that has been checked to a body; without a mass, only to one that is not dynamic.
 template <class Plan>
 shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
@@ -136,8 +46,12 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     if (!check_pose(f, def.position, def.rotation) || !check_not_negative(f, "density", def.density)) return {};
     if constexpr (Plan::features::materials)
         if (!check_material<Plan>(f, def.material)) return {};
+    if (!Plan::events::sensors && def.sensor) {
+        refuse(f, "sensor", "true", "the recipe does not name event::sensor");
+        return {};
+    }
     const auto& owner = s.bodies[body];
-    if (!has_mass && owner.is_dynamic()) {
+    if (!has_mass && owner.is_dynamic() && !def.sensor) {
         refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
         return {};
     }
@@ -147,42 +61,34 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     if constexpr (Plan::features::materials) record.material = def.material;
     record.density = def.density;
     record.filter = def.filter;
+    record.sensor = def.sensor;
     record.body = body;
     record.user_data = def.user_data;
     update_pose(record, owner.pose(), owner.center);
     const auto box = query_bounds(s, record);
     if (!check_extent(f, box)) return {};
-    if (def.density > S(0) && owner.is_dynamic() && !owner.mass_is_set &&
+    if (def.density > S(0) && !def.sensor && owner.is_dynamic() && !owner.mass_is_set &&
         !check_shapes_mass(s, body, f, no_shape, &record))
         return {};
     // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
     wake_affected(s, body);
     const auto place = s.shapes.insert(record);
+    if constexpr (Plan::events::sensors) {
+        s.sensors.is_sensor.grow(s.shapes.slots());
+        if (def.sensor) {
+            s.sensors.is_sensor.set(place.index);
+            s.sensors.count = s.sensors.count + 1;
+        }
+    }
     std::uint32_t* link = &s.bodies[body].first_shape;
     while (*link != no_shape && *link > place.index) link = &s.shapes[*link].next;
     s.shapes[place.index].next = std::exchange(*link, place.index);
     s.broadphase.insert(place.index, box, filter_of(s, record));
     // What is not dynamic takes no mass from it: n shapes on one body cost O(n).
     if (owner.is_dynamic()) refresh_mass(s, body);
-    else extend_extent(s, s.shapes[place.index]);
+    else if (!def.sensor) extend_extent(s, s.shapes[place.index]);
     wake_near_shape(s, place.index);
     return {place.index, place.generation, s.tag};
-}
-
-template <class Plan>
-void destroy_shape(world_data<Plan>& s, std::uint32_t index) {
-    const std::uint32_t body = s.shapes[index].body;
-    const auto& owner = s.bodies[body];
-    if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
-    wake_affected(s, body);
-    drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
-    s.memories.drop([&](std::uint32_t shape) { return shape == index; });
-    std::uint32_t* link = &s.bodies[body].first_shape;
-    while (*link != index) link = &s.shapes[*link].next;
-    *link = s.shapes[index].next;
-    s.broadphase.erase(index);
-    s.shapes.erase(index);
-    refresh_mass(s, body);
 }
 
 template <class Plan>
@@ -202,6 +108,9 @@ void set_pose(world_data<Plan>& s, std::uint32_t index, const transform<typename
     });
     if (!fits) return;
     wake_affected(s, index);
+    // What sleeps in its sensors is looked at again.
+    if constexpr (Plan::events::sensors)
+        if (s.sensors.count > 0 && b.type == body_type::static_body) wake_near(s, index);
     b.set_pose(pose);
     if (b.type == body_type::static_body) s.awake.is_stale = true;
     refresh_boxes(s, index);
@@ -244,6 +153,7 @@ void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
     if (type == body_type::dynamic_body) {
         bool solid = true;
         each_shape(s, index, [&](std::uint32_t, const auto& record) {
+            if (record.sensor) return;
             record.shape.visit([&](const auto& shape) {
                 solid = solid && solid_shape_for<std::remove_cvref_t<decltype(shape)>, S, D>;
             });
@@ -320,6 +230,7 @@ void set_filter(world_data<Plan>& s, std::uint32_t index, const collision_filter
     auto& shape = s.shapes[index];
     if (filter == shape.filter) return;
     wake_affected(s, shape.body);
+    if (shape.sensor) wake_near_shape(s, index);
     shape.filter = filter;
     drop_contacts(s, [&](const auto& c) {
         return (c.shape_a == index || c.shape_b == index) &&

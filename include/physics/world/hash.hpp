@@ -66,7 +66,7 @@ public:
     }
     template <class Plan>
     void add(const shape_record<Plan>& s) {
-        add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body);
+        add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body | std::uint64_t{s.sensor} << 63);
         add(s.local);
         const auto material = s.material.whole();
         add(material.friction);

@@ -45,7 +45,7 @@ auto mass_of_shapes(const state<Plan>& s, std::uint32_t body, std::uint32_t but 
     const auto add_more = [&] { sum = combined(sum, mass_of_shape<T>(*std::exchange(more, nullptr))); };
     each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
         if (more && i < s.shapes.next_index()) add_more();
-        if (i != but) sum = combined(sum, mass_of_shape<T>(shape));
+        if (i != but && !shape.sensor) sum = combined(sum, mass_of_shape<T>(shape));
     });
     if (more) add_more();
     return sum;

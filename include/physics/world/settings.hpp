@@ -84,6 +84,8 @@ struct shape_def {
     physics::material<S, D> material = {};
     /// Which other shapes it meets.
     collision_filter filter = {};
+    /// True if it stops nothing and has no mass, but tells what is in it, in recipes that name event::sensor.
+    bool sensor = false;
     std::uint64_t user_data = 0;
 };
 template <class S, int D>
@@ -92,6 +94,7 @@ struct shape_def<S, D, false> {
     physics::rotation<S, D> rotation = {};
     S density = S(1);
     collision_filter filter = {};
+    bool sensor = false;
     std::uint64_t user_data = 0;
 };
 

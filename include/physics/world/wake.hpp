@@ -53,7 +53,8 @@ void wake_near(world_data<Plan>& s, std::uint32_t body) {
 template <class Plan>
 void wake_near_shape(world_data<Plan>& s, std::uint32_t shape) {
     if constexpr (Plan::sleeps)
-        if (s.sleep.sleepers != 0) {
+        if (s.sleep.sleepers != 0 &&
+            (!s.shapes[shape].sensor || s.bodies[s.shapes[shape].body].type == body_type::static_body)) {
             const wake_input<Plan> w = to_wake<Plan>(s, s.step);
             w.step.near.clear();
             list_near(w, s.shapes[shape], query_bounds(s, s.shapes[shape]));

@@ -1,0 +1,139 @@
+// How bodies and shapes go between steps.
+#pragma once
+
+#include "physics/world/check.hpp"
+#include "physics/world/wake.hpp"
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Forgets the contacts for which gone(contact) is true; the others keep their order.
+template <class Plan, class Gone>
+void drop_contacts(world_data<Plan>& s, Gone&& gone) {
+    partition_contacts(
+        s.contacts, [&](const auto& c) { return !gone(c); },
+        [&]([[maybe_unused]] const auto& c) {
+            if constexpr (Plan::events::contacts) note_dropped<Plan>(c, s.bodies, s.shapes, s.dropped.list);
+        });
+    s.step.contacts_of.is_stale = true;
+}
+
+/// Takes a joint out of its bodies' lists and of its kind.
+template <class Plan>
+void erase_joint(world_data<Plan>& s, std::uint32_t index) {
+    const joint_record gone = s.joints.records[index];
+    for (const std::uint32_t body : {gone.body_a, gone.body_b}) {
+        std::uint32_t* link = &s.joints.first[body];
+        while (*link != index) link = &s.joints.records[*link].next(body);
+        *link = gone.next(body);
+    }
+    s.joints.each_kind(s.joints, [&](std::uint32_t kind, auto& of_kind) {
+        if (kind == gone.kind) of_kind.erase(gone.slot);
+    });
+    s.joints.records.erase(index);
+}
+
+/// Forgets shapes as sensors, and in sensors, for which gone(shape) is true and each(f) calls f(shape).
+template <class Plan, class Each, class Gone>
+void drop_sensors([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] Each&& each, [[maybe_unused]] Gone&& gone) {
+    if constexpr (Plan::events::sensors) {
+        drop_visitors<Plan>(s.bodies, s.shapes, s.sensors, gone);
+        each([&](std::uint32_t shape) {
+            if (!s.sensors.is_sensor[shape]) return;
+            s.sensors.is_sensor.clear(shape);
+            s.sensors.count = s.sensors.count - 1;
+        });
+    }
+}
+
+/// Removes bodies, for which each(f) calls f(body) and is_gone(body) is true.
+template <class Plan, class Each, class Gone>
+void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
+    wake_affected(s, each, is_gone);
+    if constexpr (Plan::has_joints)
+        each([&](std::uint32_t body) {
+            s.joints.each_of(body, [&](std::uint32_t i, const auto&) { erase_joint(s, i); });
+        });
+    drop_contacts(s, [&](const auto& c) { return is_gone(c.bodies.body_a) || is_gone(c.bodies.body_b); });
+    s.awake.is_stale = true;
+    s.memories.drop([&](std::uint32_t shape) { return is_gone(s.shapes[shape].body); });
+    drop_sensors(
+        s,
+        [&](auto&& f) {
+            each([&](std::uint32_t body) { each_shape(s, body, [&](std::uint32_t i, const auto&) { f(i); }); });
+        },
+        [&](std::uint32_t shape) { return is_gone(s.shapes[shape].body); });
+    each([&](std::uint32_t body) {
+        each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>&) {
+            s.broadphase.erase(i);
+            s.shapes.erase(i);
+        });
+        s.bodies.erase(body);
+    });
+}
+template <class Plan>
+void destroy_body(world_data<Plan>& s, std::uint32_t index) {
+    destroy_bodies(
+        s, [&](auto&& f) { f(index); }, [&](std::uint32_t body) { return body == index; });
+}
+template <class Plan>
+void destroy_bodies(world_data<Plan>& s, const body_id* ids, std::uint32_t count) {
+    const char* f = "destroy_bodies";
+    if (count == 0 || !check_not_in_step(s, f)) return;
+    if (ids == nullptr) {
+        refuse(f, "ids", "null", "it must hold as many as are to be destroyed");
+        return;
+    }
+    bit_array gone;
+    gone.grow(s.bodies.slots());
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const lookup at = find_body(s, ids[i], f);
+        if (!at) return;
+        if (gone[at.index]) {
+            refuse(f, "body", static_cast<double>(at.index), "it must be listed once");
+            return;
+        }
+        gone.set(at.index);
+    }
+    destroy_bodies(
+        s,
+        [&](auto&& destroy) {
+            for (std::uint32_t i = 0; i < count; ++i) destroy(ids[i].index);
+        },
+        [&](std::uint32_t body) { return gone[body]; });
+}
+template <class Plan>
+void clear(world_data<Plan>& s) {
+    if (!check_not_in_step(s, "clear")) return;
+    buffer<std::uint32_t> all;
+    s.bodies.each([&](std::uint32_t i, const auto&) { all.push_back(i); });
+    destroy_bodies(
+        s,
+        [&](auto&& destroy) {
+            for (const std::uint32_t i : all) destroy(i);
+        },
+        [](std::uint32_t) { return true; });
+}
+
+template <class Plan>
+void destroy_shape(world_data<Plan>& s, std::uint32_t index) {
+    const std::uint32_t body = s.shapes[index].body;
+    const auto& owner = s.bodies[body];
+    if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
+    wake_affected(s, body);
+    drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
+    s.memories.drop([&](std::uint32_t shape) { return shape == index; });
+    drop_sensors(
+        s, [&](auto&& f) { f(index); }, [&](std::uint32_t shape) { return shape == index; });
+    std::uint32_t* link = &s.bodies[body].first_shape;
+    while (*link != index) link = &s.shapes[*link].next;
+    *link = s.shapes[index].next;
+    s.broadphase.erase(index);
+    s.shapes.erase(index);
+    refresh_mass(s, body);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
