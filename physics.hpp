@@ -15573,7 +15573,7 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// A ray in a shape's frame, and where it meets the shape; the normal stays null where it begins within.
+/// A ray in a shape's frame, and where it meets the shape; the normal stays null where it begins strictly within.
 template <int D>
 struct local_ray {
     point<D> origin, displacement;
@@ -15600,9 +15600,18 @@ bool ball_span(const local_ray<D>& ray, double r, double& near, double& far) {
     return true;
 }
 
+/// A ray that begins on a surface, whose normal there may have any length: it enters, or misses.
+template <int D>
+local_hit<D> enter(const local_ray<D>& ray, const point<D>& out) {
+    if (!(dot(out, ray.displacement) < 0)) return {};
+    return {true, 0, normalized(out)};
+}
+
 template <int D>
 local_hit<D> cast_on_ball(const local_ray<D>& ray, double r) {
-    if (dot(ray.origin, ray.origin) <= r * r) return {true, 0, {}};
+    const double square = dot(ray.origin, ray.origin);
+    if (square < r * r) return {true, 0, {}};
+    if (square == r * r) return enter(ray, ray.origin);
     double near = 0, far = 0;
     if (!ball_span(ray, r, near, far) || near < 0 || near > 1) return {};
     return {true, near, normalized(ray.origin + ray.displacement * near)};
@@ -15614,11 +15623,13 @@ local_hit<D> cast_on_capsule(const local_ray<D>& ray, double half_length, double
     local_ray<D> across = ray;
     across.origin.x = across.displacement.x = 0;
     double near = 0, far = 0;
-    const bool begins_beside = dot(across.origin, across.origin) <= r * r;
+    const double square = dot(across.origin, across.origin);
+    const bool begins_beside = square <= r * r;
     if (!begins_beside && (!ball_span(across, r, near, far) || near < 0 || near > 1)) return {};
     const double x = ray.origin.x + ray.displacement.x * near;
     if (abs(x) <= half_length) {
-        if (begins_beside) return {true, 0, {}};
+        if (square < r * r) return {true, 0, {}};
+        if (begins_beside) return enter(ray, across.origin);
         return {true, near, normalized(across.origin + across.displacement * near)};
     }
     local_ray<D> to_end = ray;
@@ -15631,12 +15642,15 @@ template <int D>
 struct clipped_ray {
     double near = 0, far = 1;
     point<D> normal;
+    /// Whether it has come in from outside, or begins on a surface; whether that is one that it does not enter by.
+    bool enters = false, begins_on = false;
 
     /// Keeps what lies on the inner side of a plane: `height` is how far outside the ray begins, `climb` how fast it
     /// moves outwards. False if nothing is left.
     bool keep(double height, double climb, const point<D>& n) {
+        if (height == 0 && !(climb < 0)) begins_on = true;
         if (climb < 0) {
-            if (height > -climb * near) near = height / -climb, normal = n;
+            if (height > -climb * near || (height == 0 && !enters)) enter(height / -climb, n);
         } else if (climb > 0) {
             if (-height < climb * far) far = -height / climb;
         } else if (height > 0) {
@@ -15644,7 +15658,22 @@ struct clipped_ray {
         }
         return near <= far;
     }
-    [[nodiscard]] local_hit<D> hit() const { return {true, near, normal}; }
+    void enter(double at, const point<D>& n) {
+        near = at;
+        normal = n;
+        enters = true;
+    }
+    /// It begins on a round side, whose normal there may have any length.
+    void begin_on(const point<D>& out, const point<D>& displacement) {
+        if (largest(out) == 0) return;  // the tip of a cone
+        if (!(dot(out, displacement) < 0)) begins_on = true;
+        else if (!(near > 0) && !enters) enter(0, normalized(out));
+    }
+    /// One that begins on a face, and leaves it or goes along it, does not enter there.
+    [[nodiscard]] local_hit<D> hit() const {
+        if (begins_on && !(near > 0)) return {};
+        return {true, near, normal};
+    }
 };
 
 template <int D>
@@ -15676,12 +15705,14 @@ inline local_hit<3> cast_on_cylinder(const local_ray<3>& ray, double half, doubl
         if (!left.keep(side * ray.origin.x - half, side * ray.displacement.x, {side, 0, 0})) return {};
     local_ray<3> across = ray;
     across.origin.x = across.displacement.x = 0;
-    const bool begins_beside = dot(across.origin, across.origin) <= r * r;
+    const double square = dot(across.origin, across.origin);
+    const bool begins_beside = square <= r * r;
+    if (square == r * r) left.begin_on(across.origin, across.displacement);
     if (largest(across.displacement) == 0) return begins_beside ? left.hit() : local_hit<3>{};
     double near = 0, far = 0;
     if (!ball_span(across, r, near, far)) return {};
     if (begins_beside) return left.near <= max(far, 0.0) ? left.hit() : local_hit<3>{};
-    if (near > left.near) left = {near, left.far, normalized(across.origin + across.displacement * near)};
+    if (near > left.near) left.enter(near, normalized(across.origin + across.displacement * near));
     return left.near <= min(left.far, far) ? left.hit() : local_hit<3>{};
 }
 
@@ -15727,7 +15758,9 @@ inline local_hit<3> cast_on_cone(const local_ray<3>& ray, double half, double lo
     // As seen from the narrow end: there the digits count.
     const point<3> end{low < high ? -half : half, 0, 0}, origin = ray.origin - end;
     const double narrow = min(low, high);
-    const bool begins_beside = aside <= narrow + slope * origin.x;
+    const double radius = narrow + slope * origin.x;
+    const bool begins_beside = aside <= radius;
+    if (aside == radius) left.begin_on(point<3>{-slope * aside, origin.y, origin.z}, ray.displacement);
     const auto [u, length] = direction_and_length_of(ray.displacement);
     if (!(length > 0)) return begins_beside ? left.hit() : local_hit<3>{};
     const double start = -dot(origin, u);
@@ -15742,7 +15775,7 @@ inline local_hit<3> cast_on_cone(const local_ray<3>& ray, double half, double lo
         // At the tip the side that the ray sees.
         if (largest(out) <= 0x1p-40 * (half + largest(origin))) out = {-u.y, -u.z};
         out = normalized(out);
-        left = {near, left.far, normalized(point<3>{-slope, out.x, out.y})};
+        left.enter(near, normalized(point<3>{-slope, out.x, out.y}));
     }
     return left.near <= min(left.far, far) ? left.hit() : local_hit<3>{};
 }
@@ -16808,9 +16841,9 @@ PHYSICS_HPP_BEGIN
 template <class S, int D>
 struct ray_hit {
     bool hit = false;
-    /// The part of the ray's translation up to there; 0 if it begins within, or on the surface.
+    /// The part of the ray's translation up to there; 0 if it begins within, or on the surface that it enters.
     S fraction = S(1);
-    /// Unit vector outwards; null if the ray begins within.
+    /// Unit vector outwards; null if the ray begins strictly within.
     vec<S, D> normal;
     vec<S, D> point;
 
@@ -16872,11 +16905,15 @@ template <template <class, int> class Shape, class S, int D>
 }  // namespace detail
 
 /// Where a ray, from `origin` along `translation` (m), first meets a shape that stands at `local` in the frame of a
-/// body at `body`. Surfaces belong to shapes: a ray that begins on one hits at 0, one in the plane of a face at its
-/// edge, one without length hits what it is in. Exact to a few roundings of double, of the sizes and of the distance:
-/// only rays that graze the shape by less may be judged either way; none passes between parts of a surface that share
-/// corners. Cost: 15 to 100 ns; hulls 3 ns a face; rounded hulls and boxes and other shapes 0.3 to 1.5 us, rounded
-/// cylinders and cones up to 8; surfaces and compounds 0.1 us and more, O(log n) and the parts on the way.
+/// body at `body`. A ray that begins strictly within hits at 0, without a normal; one that begins on the surface hits
+/// at 0, with the normal, if it goes inwards, and misses if it leaves or goes along, as it does on two-sided surfaces
+/// either way; what is cast by the general method (triangles, shapes of your own) counts its surface as its inside. A
+/// ray along a face of a solid hits its edge, one along a part of a surface misses that; one without length hits what
+/// it is strictly within. Exact to a few roundings of
+/// double, of the sizes and of the distance: only rays that graze the shape by less may be judged either way; none
+/// passes between parts of a surface that share corners. Cost: 15 to 100 ns; hulls 3 ns a face; rounded hulls and boxes
+/// and other shapes 0.3 to 1.5 us, rounded cylinders and cones up to 8; surfaces and compounds 0.1 us and more, O(log
+/// n) and the parts on the way.
 template <class Shape, class S, int D>
     requires requires(const Shape& s, const detail::local_ray<D>& r) { cast_on(s, r); }
 ray_hit<S, D> cast_ray(const Shape& shape, const transform<S, D>& body, const transform<S, D>& local,
@@ -16993,7 +17030,12 @@ struct first_hit {
         // How far the origin is behind the part, times the length of `out`.
         const double behind = dot(out, corner[0]), climb = dot(out, ray.displacement);
         const double noise = 0x1p-49 * (size + largest(ray.origin)) * largest(out);
-        if (abs(behind) <= noise) return keep_first(cast_on_core<S>(ray, core_of_face(face, 0), maximum()));
+        if (abs(behind) <= noise) {
+            // It begins in the plane of the part: it enters by the front, or misses.
+            const double along = 0x1p-49 * largest(ray.displacement) * largest(out);
+            if (!face.two_sided && climb < -along && view.passes(corner)) keep_first({true, 0, out});
+            return;
+        }
         if ((behind > 0 && !face.two_sided) || (behind > 0) != (climb > 0)) return;
         if (abs(behind) > abs(climb) * maximum() + noise || !view.passes(corner)) return;
         keep_first({true, min(behind / climb, maximum()), behind > 0 ? -out : out});
@@ -17322,6 +17364,10 @@ struct collision_filter {
     friend bool operator==(const collision_filter&, const collision_filter&) = default;
 };
 
+/// Kinds of bodies, as bits: static_bodies | dynamic_bodies.
+using body_kinds = std::uint32_t;
+inline constexpr body_kinds static_bodies = 1, kinematic_bodies = 2, dynamic_bodies = 4, all_bodies = 7;
+
 /// Which proxies can form a pair: those of which a collision_filter says so, if the owners differ and at least one is
 /// movable, and not both are sensors.
 struct proxy_filter {
@@ -17335,6 +17381,8 @@ struct proxy_filter {
     bool movable = true;
     /// Whether it only senses what it meets; queries leave it out unless they are to see it.
     bool sensor = false;
+    /// What queries are told that it is.
+    std::uint8_t kinds = all_bodies;
 
     friend bool operator==(const proxy_filter&, const proxy_filter&) = default;
 };
@@ -17657,8 +17705,8 @@ PHYSICS_HPP_BEGIN
 struct query_filter {
     std::uint32_t category = 1;
     std::uint32_t mask = all_categories;
-    /// Whether it sees movable ones too; of a world these are the shapes of dynamic bodies that are awake.
-    bool movable = true;
+    /// Of which kinds of bodies it sees the shapes.
+    body_kinds kinds = all_bodies;
     /// Whose proxies it does not see, say of the body that asks; null: none. A broadphase looks at the index alone,
     /// which is the owner; a world refuses the handle of what is gone.
     body_id except = {};
@@ -17666,9 +17714,11 @@ struct query_filter {
     bool any_category = false;
     /// Whether it sees sensors too.
     bool sensors = false;
+    /// Whether rays in a world meet shapes within which they begin.
+    bool inside = true;
 
     [[nodiscard]] constexpr bool sees(const proxy_filter& p) const {
-        return (any_category || ((p.category & mask) != 0 && (category & p.mask) != 0)) && (movable || !p.movable) &&
+        return (any_category || ((p.category & mask) != 0 && (category & p.mask) != 0)) && (kinds & p.kinds) != 0 &&
                (sensors || !p.sensor) && (!except || p.owner != except.index);
     }
 };
@@ -17761,11 +17811,15 @@ constexpr bool beyond(const bounding_plane<S, D>& plane, const aabb<S, D>& box) 
     return minimum > widen(plane.offset);
 }
 
-/// Calls visit(id); where it returns a bool, false ends the query.
-template <class Visit, class Id>
-constexpr bool go_on(Visit& visit, Id id) {
-    if constexpr (std::is_void_v<decltype(visit(id))>) return visit(id), true;
-    else return static_cast<bool>(visit(id));
+/// Calls visit(found); where it returns a bool, false ends the query.
+template <class Visit, class Found>
+constexpr bool go_on(Visit& visit, const Found& found) {
+    using answer = decltype(visit(found));
+    static_assert(std::is_void_v<answer> || std::is_same_v<answer, bool>,
+                  "physics: a visitor of a query answers with a number; let it return nothing, or a bool: false ends "
+                  "the query");
+    if constexpr (std::is_void_v<answer>) return visit(found), true;
+    else return static_cast<bool>(visit(found));
 }
 
 /// Puts an item into a sorted list of at most `maximum`, before all that come after it by after(other); the last one is
@@ -17887,17 +17941,17 @@ public:
     [[nodiscard]] const buffer<proxy_pair>& ended() const { return pairs_.ended(); }
 
     /// Calls visit(id) for every proxy whose box shares a point with this one, in any order. Where visit returns a
-    /// bool, false ends the query.
+    /// bool, false ends the query. Unless movable is true, those that are may be left out, to save time.
     template <class Visit>
-    void each_overlapping(const aabb& box, const query_filter& filter, Visit&& visit) const {
+    void each_overlapping(const aabb& box, const query_filter& filter, Visit&& visit, bool movable = true) const {
         if (!check_box("each_overlapping", box)) return;
         const detail::query_scope scope(this);
         const auto see = [&](const auto& at) {
             const auto& c = all_.candidate_at(at);
             return !filter.sees(c.filter) || !overlap(c.box, box) || detail::go_on(visit, c.id);
         };
-        if constexpr (requires { index_.each_near(all_, box, see, filter.movable); })
-            index_.each_near(all_, box, see, filter.movable);
+        if constexpr (requires { index_.each_near(all_, box, see, movable); })
+            index_.each_near(all_, box, see, movable);
         else index_.each_near(all_, box, see);
     }
     /// Writes up to `maximum` of them to `out` instead; returns how many there are.
@@ -32292,21 +32346,23 @@ template <class World, class Plan>
 auto query_bounds(const World& w, const shape_record<Plan>& shape) {
     return box_within(w.settings.contact_margin, shape);
 }
-/// What the broadphase knows of a shape besides.
-template <class Plan>
-proxy_filter filter_of(const shape_record<Plan>& shape, bool movable) {
-    const collision_filter& f = shape.filter;
-    return {f.category, f.mask, f.group, shape.body, movable, shape.sensor};
-}
 /// Whether the broadphase is to find what a body meets: it can be pushed, or moves where sensors may see it.
 template <class Plan>
 bool is_movable(const pool<typename Plan::body>& bodies, const sleep_of<Plan>& sleep, std::uint32_t body) {
     return is_awake_dynamic(bodies, sleep, body) ||
            (Plan::events::sensors && bodies[body].type == body_type::kinematic_body);
 }
+/// What the broadphase knows of a shape besides.
+template <class Plan>
+proxy_filter filter_of(const pool<typename Plan::body>& bodies, const sleep_of<Plan>& sleep,
+                       const shape_record<Plan>& shape) {
+    const collision_filter& f = shape.filter;
+    const auto kinds = static_cast<std::uint8_t>(1u << static_cast<unsigned>(bodies[shape.body].type));
+    return {f.category, f.mask, f.group, shape.body, is_movable<Plan>(bodies, sleep, shape.body), shape.sensor, kinds};
+}
 template <class World, class Plan>
 proxy_filter filter_of(const World& w, const shape_record<Plan>& shape) {
-    return filter_of(shape, is_movable<Plan>(w.bodies, w.sleep, shape.body));
+    return filter_of<Plan>(w.bodies, w.sleep, shape);
 }
 template <class Plan>
 void configure_broadphase(state<Plan>& s) {
@@ -32348,10 +32404,9 @@ template <class Plan>
 void reinsert_proxies(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
                       const sleep_of<Plan>& sleep, typename Plan::scalar margin, typename Plan::broadphase& broadphase,
                       std::uint32_t body) {
-    const bool movable = is_movable<Plan>(bodies, sleep, body);
     each_shape(bodies, shapes, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
         broadphase.erase(i);
-        broadphase.insert(i, box_within(margin, shape), filter_of(shape, movable));
+        broadphase.insert(i, box_within(margin, shape), filter_of<Plan>(bodies, sleep, shape));
     });
 }
 template <class Plan>
@@ -32483,10 +32538,12 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 /// Calls f(shape's number) for shapes whose boxes reach into a box. Of the world it reads bodies, shapes, which sleep,
-/// the broadphase and the contact margin.
+/// the broadphase and the contact margin. Shapes of what can be pushed may be left out unless movable is true.
 template <class World, class S, int D, class F>
-void each_near(const World& w, const aabb<S, D>& box, const query_filter& filter, F&& f) {
-    if constexpr (requires { w.broadphase.each_overlapping(box, filter, f); }) {
+void each_near(const World& w, const aabb<S, D>& box, const query_filter& filter, F&& f, bool movable = true) {
+    if constexpr (requires { w.broadphase.each_overlapping(box, filter, f, movable); }) {
+        w.broadphase.each_overlapping(box, filter, f, movable);
+    } else if constexpr (requires { w.broadphase.each_overlapping(box, filter, f); }) {
         w.broadphase.each_overlapping(box, filter, f);
     } else {
         w.shapes.each([&](std::uint32_t i, const auto& shape) {
@@ -34722,7 +34779,7 @@ protected:
                 if (in_.joints.keep_apart(body, record.body)) return;
             found.push_back(shape);
         };
-        each_near(in_, box, query_filter{.movable = everything, .any_category = true}, add);
+        each_near(in_, box, query_filter{.any_category = true}, add, everything);
         if (everything)
             for (const auto& partner : data_.moving_bodies)
                 if (overlap(partner.box, path))
@@ -37799,6 +37856,8 @@ struct world_hit {
     /// Unit vector out of the shape; null where a ray begins within.
     vec<S, D> normal;
 
+    /// Whether the ray begins strictly within the shape.
+    [[nodiscard]] bool inside() const { return *this && normal == vec<S, D>{}; }
     /// True if anything is hit.
     explicit operator bool() const { return static_cast<bool>(shape); }
 };
@@ -37884,7 +37943,7 @@ void cast_ray(const state<Plan>& s, const char* function, vec<typename Plan::sca
     each_on(s, {origin, translation}, filter, [&](std::uint32_t i) {
         const auto& shape = s.shapes[i];
         const auto hit = cast_ray(shape.shape, s.bodies[shape.body].pose(), shape.local, origin, translation);
-        if (hit && !(hit.fraction > limit))
+        if (hit && !(hit.fraction > limit) && (filter.inside || !(hit.normal == decltype(hit.normal){})))
             limit = min(limit, visit(world_hit<S, Plan::dimension>{id_of_shape(s, i), body_of_shape(s, i), hit.fraction,
                                                                    hit.point, hit.normal}));
         return limit;
@@ -38208,10 +38267,9 @@ void each_hit_along_ray(const state<Plan>& s, vec<typename Plan::scalar, Plan::d
                         Visit&& visit) {
     typename world_code<Plan>::hits hits;
     world_code<Plan>::find_hits(s, origin, translation, filter, hits);
-    typename Plan::scalar limit(1);
     for (const auto& hit : hits) {
-        if (hit.fraction > limit || hit.shape.world != s.tag) return;
-        if (s.shapes.contains(hit.shape.index, hit.shape.generation)) limit = min(limit, visit(hit));
+        if (hit.shape.world != s.tag) return;
+        if (s.shapes.contains(hit.shape.index, hit.shape.generation) && !go_on(visit, hit)) return;
     }
 }
 
@@ -38845,8 +38903,8 @@ public:
                                            const query_filter& filter = {}) const {
         return detail::world_code<Plan>::cast_ray(state(), origin, translation, filter);
     }
-    /// Calls visit(hit) for shapes that the ray meets, in their order along it. visit returns the fraction of the
-    /// translation up to which the ray goes on: 1 for all, -1 to stop. To find the first alone, cast_ray is faster.
+    /// Calls visit(hit) for shapes that the ray meets, in their order along it. Where visit returns a bool, false ends
+    /// the query. To find the first alone, cast_ray is faster.
     template <class Visit>
     void each_hit_along_ray(vec<S, D> origin, vec<S, D> translation, const query_filter& filter, Visit&& visit) const {
         detail::each_hit_along_ray(state(), origin, translation, filter, visit);

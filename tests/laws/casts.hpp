@@ -284,14 +284,26 @@ CELL_CASE("casts: rays in the planes of faces, along edges, through corners, wit
         }
         const physics::ray<S, D> ray{from, displacement};
         S fraction{};
-        const bool expected = physics::detail::meets(ray, bounds(box, at), S(1), fraction);
+        const bool meets_box = physics::detail::meets(ray, bounds(box, at), S(1), fraction);
+        // One that begins on the surface has to go inwards.
+        bool is_within = true, begins_on = false, leaves = false;
+        for (int k = 0; k < D; ++k) {
+            const S local = from[k] - at.position[k], half = box.half_extents[k];
+            is_within = is_within && local <= half && -local <= half;
+            if (local != half && -local != half) continue;
+            begins_on = true;
+            leaves = leaves || !(local > S(0) ? displacement[k] < S(0) : displacement[k] > S(0));
+        }
+        begins_on = begins_on && is_within;
+        const bool expected = meets_box && !(begins_on && leaves);
         const auto hit = cast_ray(box, at, from, displacement);
         REQUIRE(hit.hit == expected);
+        if (hit) REQUIRE((hit.normal == vec{}) == (is_within && !begins_on));
         hits += hit.hit;
         if (hit) REQUIRE(cell::near(hit.fraction, fraction, 1));
         // The same by GJK.
         const auto grown = cast_ray(physics::rounded_box<S, D>{box.half_extents, S(0)}, at, from, displacement);
-        REQUIRE(grown.hit == expected);
+        REQUIRE(grown.hit == meets_box);
         if (hit) REQUIRE(cell::near(grown.fraction, fraction, 1));
     }
     CHECK(hits > cell::draws(1500));
@@ -304,12 +316,12 @@ CELL_CASE("casts: rays in the planes of faces, along edges, through corners, wit
     CHECK(!meets(physics::ball<S, D>{S(3)}, {-8, 3.00001, 0}, {16, 0, 0}));
     CHECK(meets(physics::capsule<S, D>{S(2), S(1)}, {-8, 1, 0}, {16, 0, 0}));
     CHECK(meets(physics::capsule<S, D>{S(2), S(1)}, {3, -9, 0}, {0, 18, 0}));
-    CHECK(meets(physics::capsule<S, D>{S(2), S(1)}, {-3, 0, 0}, {}));
+    CHECK(!meets(physics::capsule<S, D>{S(2), S(1)}, {-3, 0, 0}, {}));
     CHECK(!meets(physics::capsule<S, D>{S(2), S(1)}, {-3.001, 0, 0}, {-1, 0, 0}));
     const physics::halfspace<S, D> ground;
     CHECK(meets(ground, {0, 1, 0}, {9, -1, 0}));
-    CHECK(meets(ground, {0, 0, 0}, {0, 1, 0}));
-    CHECK(meets(ground, {-2, 0, 0}, {4, 0, 0}));
+    CHECK(!meets(ground, {0, 0, 0}, {0, 1, 0}));
+    CHECK(!meets(ground, {-2, 0, 0}, {4, 0, 0}));
     CHECK(!meets(ground, {0, 1, 0}, {9, 0, 0}));
     CHECK(!meets(ground, {0, 1, 0}, {9, -0.999, 0}));
 }

@@ -43,7 +43,7 @@ inline bool allowed(const physics::proxy_filter& a, const physics::proxy_filter&
     const bool one_group = a.group == b.group && a.group != 0;
     const bool by_mask = one_group ? a.group > 0 : (a.category & b.mask) && (b.category & a.mask);
     const bool siblings = a.owner == b.owner && a.owner != 0xffffffffu;
-    return by_mask && !siblings && (a.movable || b.movable);
+    return by_mask && !siblings && (a.movable || b.movable) && !(a.sensor && b.sensor);
 }
 
 /// Boxes by number, and what a broadphase should know of them.
@@ -73,6 +73,8 @@ struct crowd {
         // Endless in one direction, as the ground is.
         if (kind == layout::uniform && dice.below(40) == 0) m.box.lower.y = -(cell::traits::max() * S(0.25));
         if (dice.below(8) == 0) m.filter.movable = false;
+        if (dice.below(8) == 0) m.filter.sensor = true;
+        if (dice.below(4) == 0) m.filter.kinds = static_cast<std::uint8_t>(dice.below(8));
         if (dice.below(8) == 0) m.filter.category = 1u << dice.below(4);
         if (dice.below(8) == 0) m.filter.mask = static_cast<std::uint32_t>(dice.below(16));
         if (dice.below(6) == 0) m.filter.group = dice.below(5) - 2;

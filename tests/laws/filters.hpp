@@ -210,7 +210,7 @@ CELL_CASE("filters: what is swept is stopped by what it meets, and by nothing el
     }
 }
 
-CELL_CASE("filters: queries see what categories say, and not the body that is left out") {
+CELL_CASE("filters: queries see what categories and kinds say, and not the body that is left out") {
     cell::dice dice(8900);
     throng t(dice);
     run(t.w, 2);
@@ -221,10 +221,17 @@ CELL_CASE("filters: queries see what categories say, and not the body that is le
         f.any_category = dice.below(4) == 0;
         const shape_id own = t.shapes[static_cast<std::size_t>(dice.below(static_cast<int>(t.shapes.size())))];
         if (dice.below(3)) f.except = t.w.body(own);
+        if (dice.below(2)) f.kinds = static_cast<physics::body_kinds>(dice.below(8));
+        // Kinds are what they are told to be, whoever sleeps.
+        if (i % 20 == 0) t.w.set_type(t.w.body(own), static_cast<body_type>(dice.below(3)));
         const auto sees = [&](shape_id s) {
             const collision_filter& of = t.w.filter(s);
             const bool by_category = f.any_category || ((of.category & f.mask) && (of.mask & f.category));
-            return by_category && !(f.except && t.w.body(s) == f.except);
+            const auto type = t.w.type(t.w.body(s));
+            const bool by_kind = (f.kinds & (type == body_type::static_body      ? physics::static_bodies
+                                             : type == body_type::kinematic_body ? physics::kinematic_bodies
+                                                                                 : physics::dynamic_bodies)) != 0;
+            return by_category && by_kind && !(f.except && t.w.body(s) == f.except);
         };
         const vec origin = t.place(own), way = dice.vec<vec>(-3, 3);
         std::vector<shape_id> expected, found;
@@ -238,10 +245,7 @@ CELL_CASE("filters: queries see what categories say, and not the body that is le
         const auto ray = t.w.cast_ray(origin, way, f);
         CHECK(gap(ray.fraction, first.fraction) <= rounding(64));
         CHECK(static_cast<bool>(ray) == static_cast<bool>(first));
-        t.w.each_hit_along_ray(origin, way, f, [&](const auto& hit) {
-            found.push_back(hit.shape);
-            return S(1);
-        });
+        t.w.each_hit_along_ray(origin, way, f, [&](const auto& hit) { found.push_back(hit.shape); });
         const auto by_index = [](shape_id a, shape_id b) { return a.index < b.index; };
         std::sort(found.begin(), found.end(), by_index);
         std::sort(expected.begin(), expected.end(), by_index);
@@ -260,6 +264,33 @@ CELL_CASE("filters: queries see what categories say, and not the body that is le
         t.w.each_at(origin, f, [&](shape_id s) { CHECK(sees(s)); });
     }
 }
+CELL_CASE("filters: rays tell of what they begin in unless they are not to, and go on from what they met") {
+    world w(awake());
+    const body_id big = add_ball(w, {}, 2), small = add_ball(w, at(0.5, 0), 0.25), far = add_ball(w, at(5, 0), 0.5);
+    const auto first = w.cast_ray({}, along(0, 10));
+    CHECK(first.body == big);
+    CHECK(first.inside());
+    const auto next = w.cast_ray({}, along(0, 10), {.inside = false});
+    CHECK(next.body == small);
+    CHECK(!next.inside());
+    CHECK(gap(next.point, at(0.25, 0)) <= rounding(64));
+    CHECK(w.cast_ray({}, along(0, 10), {.except = small, .inside = false}).body == far);
+    std::vector<body_id> met;
+    w.each_hit_along_ray({}, along(0, 10), {.inside = false}, [&](const auto& hit) { met.push_back(hit.body); });
+    CHECK(met == std::vector{small, far});
+    // From each point that a ray meets, past what it met there.
+    vec from = at(-10, 0);
+    met.clear();
+    while (const auto hit = w.cast_ray(from, at(10, 0) - from, {.inside = false})) {
+        if (!met.empty() && met.back() == hit.body) break;
+        met.push_back(hit.body);
+        from = hit.point + along(0, 0.001);
+    }
+    CHECK(met == std::vector{big, small, far});
+    // One that goes back the way that it came.
+    const auto wall = w.cast_ray(at(-10, 0), along(0, 20));
+    CHECK(!w.cast_ray(wall.point, at(-1, 0), {.inside = false}));
+}
 CELL_CASE("filters: a query does not take the handle of a body that is gone") {
     world w;
     const body_id ground = add_ground(w), gone = add_ball(w, at(0, 3));
@@ -268,8 +299,7 @@ CELL_CASE("filters: a query does not take the handle of a body that is gone") {
     const query_filter f{.except = gone};
     const auto ask = [&](const char* function, auto&& call) { refuses(w, function, "except", "", call); };
     ask("cast_ray", [&] { (void)w.cast_ray(at(0, 5), along(1, -5), f); });
-    ask("each_hit_along_ray",
-        [&] { w.each_hit_along_ray(at(0, 5), along(1, -5), f, [](const auto&) { return S(1); }); });
+    ask("each_hit_along_ray", [&] { w.each_hit_along_ray(at(0, 5), along(1, -5), f, [](const auto&) {}); });
     ask("cast_shape", [&] { (void)w.cast_shape(world::ball{}, {at(0, 5), {}}, along(1, -5), f); });
     ask("each_overlapping", [&] { w.each_overlapping(world::ball{}, {at(0, 5), {}}, f, [](shape_id) {}); });
     ask("each_at", [&] { w.each_at(at(0, 5), f, [](shape_id) {}); });

@@ -129,8 +129,7 @@ record play(int rounding, bool flushes) {
     add(near.distance), add(near.point), add(near.normal);
     in_mode([&] {
         w.each_overlapping(probe, where, {}, [&](shape_id id) { all.hashes.push_back(id.index); });
-        w.each_hit_along_ray(origin, displacement, {},
-                             [&](const auto& h) { return all.hashes.push_back(h.shape.index), S(1); });
+        w.each_hit_along_ray(origin, displacement, {}, [&](const auto& h) { all.hashes.push_back(h.shape.index); });
     });
     step(200);
     in_mode([&] { w.set_linear_velocity(bodies[0], v); });

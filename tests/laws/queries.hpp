@@ -71,15 +71,16 @@ inline physics::query_filter filter_in(cell::dice& dice) {
     physics::query_filter f;
     if (dice.below(3) == 0) f.mask = static_cast<std::uint32_t>(dice.below(16));
     if (dice.below(3) == 0) f.category = 1u << dice.below(4);
-    f.movable = dice.below(3) != 0;
+    if (dice.below(3) == 0) f.kinds = static_cast<physics::body_kinds>(dice.below(8));
     f.any_category = dice.below(6) == 0;
+    f.sensors = dice.below(2) == 0;
     if (dice.below(3) == 0) f.except.index = static_cast<std::uint32_t>(dice.below(6));
     return f;
 }
 inline bool is_seen(const physics::proxy_filter& p, const physics::query_filter& by) {
     const bool by_category = by.any_category || ((p.category & by.mask) && (p.mask & by.category));
     const bool left_out = by.except.index != 0xffffffffu && by.except.index == p.owner;
-    return by_category && (by.movable || !p.movable) && !left_out;
+    return by_category && (by.kinds & p.kinds) != 0 && !left_out && (by.sensors || !p.sensor);
 }
 
 CELL_CASE("queries: boxes and points find what a comparison of all boxes finds") {

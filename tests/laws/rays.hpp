@@ -188,8 +188,11 @@ CELL_CASE("rays: exact points of cylinders and cones") {
     check(drum, {8, 4, 3}, {-12, 0, 0}, 0.5, {1, 0, 0});
     check(drum, {-6, 0, 0}, {8, 1, 1}, 0.5, {-1, 0, 0});
     check(drum, {0, 0, 0}, {8, 0, 0}, 0, {});
-    check(drum, {2, 3, 4}, {1, 1, 1}, 0, {});
-    check(drum, {-2, 0, 0}, {}, 0, {});
+    misses(drum, {2, 3, 4}, {1, 1, 1});
+    misses(drum, {-2, 0, 0}, {});
+    check(drum, {-2, 0, 0}, {8, 1, 1}, 0, {-1, 0, 0});
+    check(drum, {1, 3, 4}, {1, -3, -4}, 0, {0, 0.6, 0.8});
+    misses(drum, {1, 3, 4}, {1, 4, -3});
     // Along the side, along an end, and past them.
     check(drum, {-4, 3, 4}, {8, 0, 0}, 0.25, {-1, 0, 0});
     check(drum, {2, -8, 0}, {0, 16, 0}, 0.1875, {0, -1, 0});
@@ -216,13 +219,86 @@ CELL_CASE("rays: exact points of cylinders and cones") {
     // Onto the tip.
     check(hat, {8, 0, 0}, {-16, 0, 0}, 0.25, {1, 0, 0});
     check(pit, {-8, 0, 0}, {16, 0, 0}, 0.25, {-1, 0, 0});
-    check(hat, {4, 0, 0}, {-1, 0, 0}, 0, {});
+    check(hat, {4, 0, 0}, {-1, 0, 0}, 0, {1, 0, 0});
     // A frustum, from afar.
     const physics::cone<S, 3> bucket{S(2), S(1), S(3)};
     check(bucket, {0, 1002, 0}, {0, -1024, 0}, 1000.0 / 1024, {-1 / std::sqrt(5), 2 / std::sqrt(5), 0});
     misses(bucket, {-2, 1002, 1.01}, {0, -1024, 0});
 }
 #endif
+
+/// Of a point on a shape's surface, given exactly, and the outward normal there: rays that begin at it.
+template <class Shape>
+void begin_on(const Shape& shape, reals at, reals out, bool is_solid = true) {
+    const auto cast = [&](reals from, reals displacement) {
+        return cast_ray(shape, transform{}, from_reals(from), from_reals(displacement));
+    };
+    CAPTURE(at.x);
+    CAPTURE(at.y);
+    // A tangent that is exact, as the normal is but for its length.
+    reals along = {-out.y, out.x, 0};
+    if (size(along) == 0) along = {1, 0, 0};
+    for (const double length : {0.0625, 1.0, 64.0}) {
+        for (const double lean : {0.0, 1.0, -2.0}) {
+            const auto in = cast(at, (along * lean - out) * length);
+            REQUIRE(in.hit);
+            CHECK(cell::number(in.fraction) == 0);
+            CHECK(near(in.normal, unit(out), 8));
+            CHECK(near(in.point, at, 4));
+            CHECK(!cast(at, (along * lean + out) * length).hit);
+        }
+        CHECK(!cast(at, along * length).hit);
+        CHECK(!cast(at, along * -length).hit);
+    }
+    CHECK(!cast(at, {}).hit);
+    if (!is_solid) return;
+    const reals within = at - out * 0.0625;
+    for (const reals displacement : {reals{}, out, out * -1, along * 0.25}) {
+        const auto hit = cast(within, displacement);
+        CHECK(hit.hit);
+        CHECK(cell::number(hit.fraction) == 0);
+        CHECK(hit.normal == vec{});
+    }
+}
+CELL_CASE("rays: one that begins on a surface enters or misses, one that begins within has no normal") {
+    begin_on(physics::ball<S, D>{S(2)}, {0, 2, 0}, {0, 1, 0});
+    begin_on(physics::ball<S, D>{S(5)}, {3, -4, 0}, {3, -4, 0});
+    begin_on(physics::capsule<S, D>{S(2), S(1)}, {1, 1, 0}, {0, 1, 0});
+    begin_on(physics::capsule<S, D>{S(2), S(1)}, {-2, -1, 0}, {0, -1, 0});
+    begin_on(physics::capsule<S, D>{S(2), S(5)}, {5, 4, 0}, {3, 4, 0});
+    begin_on(physics::capsule<S, D>{S(2), S(1)}, {-3, 0, 0}, {-1, 0, 0});
+    const physics::box<S, D> cube{vec::filled(S(1))};
+    begin_on(cube, {0.5, 1, 0}, {0, 1, 0});
+    begin_on(cube, {-1, 0.25, 0}, {-1, 0, 0});
+    begin_on(physics::halfspace<S, D>{}, {3, 0, 0}, {0, 1, 0});
+    std::vector<vec> corners;
+    for (int i = 0; i < (1 << D); ++i) {
+        vec c;
+        for (int k = 0; k < D; ++k) c[k] = S((i >> k & 1) != 0 ? 1 : -1);
+        corners.push_back(c);
+    }
+    const auto die = physics::hull_geometry<S, D>::build(corners.data(), static_cast<std::uint32_t>(corners.size()));
+    begin_on(die.shape(), {0.5, 1, 0}, {0, 1, 0});
+    begin_on(die.shape(), {1, -0.25, 0}, {1, 0, 0});
+    const auto pair = physics::compound_geometry<S, D>::build({{cube, {}}, {cube, from_reals({8, 0.5, 0})}});
+    begin_on(pair.shape(), {8.5, 1.5, 0}, {0, 1, 0});
+    std::vector<S> heights(D == 2 ? 5 : 25, S(1));
+#if CELL_DIMENSION == 2
+    const auto field = physics::heightfield_geometry<S, 2>::build(heights.data(), 5, S(1));
+    const auto both = physics::heightfield_geometry<S, 2>::build(heights.data(), 5, S(1), {.two_sided = true});
+#else
+    begin_on(physics::cylinder<S, 3>{S(2), S(5)}, {1, 3, 4}, {0, 3, 4});
+    begin_on(physics::cylinder<S, 3>{S(2), S(5)}, {2, 1, 1}, {1, 0, 0});
+    begin_on(physics::cone<S, 3>{S(1), S(2), S(0)}, {0, 1, 0}, {1, 1, 0});
+    begin_on(physics::cone<S, 3>{S(1), S(2), S(0)}, {-1, 1, 0}, {-1, 0, 0});
+    const auto field = physics::heightfield_geometry<S, 3>::build(heights.data(), 5, 5, S(1), S(1));
+    const auto both = physics::heightfield_geometry<S, 3>::build(heights.data(), 5, 5, S(1), S(1), {.two_sided = true});
+#endif
+    const double z = D == 2 ? 0 : 1.25;
+    for (const double x : {1.5, 2.0}) begin_on(field.shape(), {x, 1, z}, {0, 1, 0}, false);
+    for (const double way : {1.0, -1.0})
+        CHECK(!cast_ray(both.shape(), transform{}, from_reals({1.5, 1, z}), from_reals({0, way, 0})).hit);
+}
 
 /// A shape with the same parts as another, which rays search only by the box around them.
 template <class Shape>

@@ -78,10 +78,7 @@ void agrees_with_each_shape(std::uint64_t seed) {
             REQUIRE(found.normal == best.normal);
         }
         std::vector<shape_id> all;
-        w.each_hit_along_ray(origin, displacement, {}, [&](const auto& hit) {
-            all.push_back(hit.shape);
-            return S(1);
-        });
+        w.each_hit_along_ray(origin, displacement, {}, [&](const auto& hit) { all.push_back(hit.shape); });
         const auto by_number = [](shape_id a, shape_id b) { return a.index < b.index; };
         std::sort(all.begin(), all.end(), by_number);
         std::sort(expected.begin(), expected.end(), by_number);

@@ -104,17 +104,17 @@ public:
     [[nodiscard]] const buffer<proxy_pair>& ended() const { return pairs_.ended(); }
 
     /// Calls visit(id) for every proxy whose box shares a point with this one, in any order. Where visit returns a
-    /// bool, false ends the query.
+    /// bool, false ends the query. Unless movable is true, those that are may be left out, to save time.
     template <class Visit>
-    void each_overlapping(const aabb& box, const query_filter& filter, Visit&& visit) const {
+    void each_overlapping(const aabb& box, const query_filter& filter, Visit&& visit, bool movable = true) const {
         if (!check_box("each_overlapping", box)) return;
         const detail::query_scope scope(this);
         const auto see = [&](const auto& at) {
             const auto& c = all_.candidate_at(at);
             return !filter.sees(c.filter) || !overlap(c.box, box) || detail::go_on(visit, c.id);
         };
-        if constexpr (requires { index_.each_near(all_, box, see, filter.movable); })
-            index_.each_near(all_, box, see, filter.movable);
+        if constexpr (requires { index_.each_near(all_, box, see, movable); })
+            index_.each_near(all_, box, see, movable);
         else index_.each_near(all_, box, see);
     }
     /// Writes up to `maximum` of them to `out` instead; returns how many there are.

@@ -21,6 +21,10 @@ struct collision_filter {
     friend bool operator==(const collision_filter&, const collision_filter&) = default;
 };
 
+/// Kinds of bodies, as bits: static_bodies | dynamic_bodies.
+using body_kinds = std::uint32_t;
+inline constexpr body_kinds static_bodies = 1, kinematic_bodies = 2, dynamic_bodies = 4, all_bodies = 7;
+
 /// Which proxies can form a pair: those of which a collision_filter says so, if the owners differ and at least one is
 /// movable, and not both are sensors.
 struct proxy_filter {
@@ -34,6 +38,8 @@ struct proxy_filter {
     bool movable = true;
     /// Whether it only senses what it meets; queries leave it out unless they are to see it.
     bool sensor = false;
+    /// What queries are told that it is.
+    std::uint8_t kinds = all_bodies;
 
     friend bool operator==(const proxy_filter&, const proxy_filter&) = default;
 };

@@ -11,8 +11,8 @@ PHYSICS_HPP_BEGIN
 struct query_filter {
     std::uint32_t category = 1;
     std::uint32_t mask = all_categories;
-    /// Whether it sees movable ones too; of a world these are the shapes of dynamic bodies that are awake.
-    bool movable = true;
+    /// Of which kinds of bodies it sees the shapes.
+    body_kinds kinds = all_bodies;
     /// Whose proxies it does not see, say of the body that asks; null: none. A broadphase looks at the index alone,
     /// which is the owner; a world refuses the handle of what is gone.
     body_id except = {};
@@ -20,9 +20,11 @@ struct query_filter {
     bool any_category = false;
     /// Whether it sees sensors too.
     bool sensors = false;
+    /// Whether rays in a world meet shapes within which they begin.
+    bool inside = true;
 
     [[nodiscard]] constexpr bool sees(const proxy_filter& p) const {
-        return (any_category || ((p.category & mask) != 0 && (category & p.mask) != 0)) && (movable || !p.movable) &&
+        return (any_category || ((p.category & mask) != 0 && (category & p.mask) != 0)) && (kinds & p.kinds) != 0 &&
                (sensors || !p.sensor) && (!except || p.owner != except.index);
     }
 };
@@ -115,11 +117,15 @@ constexpr bool beyond(const bounding_plane<S, D>& plane, const aabb<S, D>& box) 
     return minimum > widen(plane.offset);
 }
 
-/// Calls visit(id); where it returns a bool, false ends the query.
-template <class Visit, class Id>
-constexpr bool go_on(Visit& visit, Id id) {
-    if constexpr (std::is_void_v<decltype(visit(id))>) return visit(id), true;
-    else return static_cast<bool>(visit(id));
+/// Calls visit(found); where it returns a bool, false ends the query.
+template <class Visit, class Found>
+constexpr bool go_on(Visit& visit, const Found& found) {
+    using answer = decltype(visit(found));
+    static_assert(std::is_void_v<answer> || std::is_same_v<answer, bool>,
+                  "physics: a visitor of a query answers with a number; let it return nothing, or a bool: false ends "
+                  "the query");
+    if constexpr (std::is_void_v<answer>) return visit(found), true;
+    else return static_cast<bool>(visit(found));
 }
 
 /// Puts an item into a sorted list of at most `maximum`, before all that come after it by after(other); the last one is

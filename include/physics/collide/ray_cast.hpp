@@ -10,9 +10,9 @@ PHYSICS_HPP_BEGIN
 template <class S, int D>
 struct ray_hit {
     bool hit = false;
-    /// The part of the ray's translation up to there; 0 if it begins within, or on the surface.
+    /// The part of the ray's translation up to there; 0 if it begins within, or on the surface that it enters.
     S fraction = S(1);
-    /// Unit vector outwards; null if the ray begins within.
+    /// Unit vector outwards; null if the ray begins strictly within.
     vec<S, D> normal;
     vec<S, D> point;
 
@@ -74,11 +74,15 @@ template <template <class, int> class Shape, class S, int D>
 }  // namespace detail
 
 /// Where a ray, from `origin` along `translation` (m), first meets a shape that stands at `local` in the frame of a
-/// body at `body`. Surfaces belong to shapes: a ray that begins on one hits at 0, one in the plane of a face at its
-/// edge, one without length hits what it is in. Exact to a few roundings of double, of the sizes and of the distance:
-/// only rays that graze the shape by less may be judged either way; none passes between parts of a surface that share
-/// corners. Cost: 15 to 100 ns; hulls 3 ns a face; rounded hulls and boxes and other shapes 0.3 to 1.5 us, rounded
-/// cylinders and cones up to 8; surfaces and compounds 0.1 us and more, O(log n) and the parts on the way.
+/// body at `body`. A ray that begins strictly within hits at 0, without a normal; one that begins on the surface hits
+/// at 0, with the normal, if it goes inwards, and misses if it leaves or goes along, as it does on two-sided surfaces
+/// either way; what is cast by the general method (triangles, shapes of your own) counts its surface as its inside. A
+/// ray along a face of a solid hits its edge, one along a part of a surface misses that; one without length hits what
+/// it is strictly within. Exact to a few roundings of
+/// double, of the sizes and of the distance: only rays that graze the shape by less may be judged either way; none
+/// passes between parts of a surface that share corners. Cost: 15 to 100 ns; hulls 3 ns a face; rounded hulls and boxes
+/// and other shapes 0.3 to 1.5 us, rounded cylinders and cones up to 8; surfaces and compounds 0.1 us and more, O(log
+/// n) and the parts on the way.
 template <class Shape, class S, int D>
     requires requires(const Shape& s, const detail::local_ray<D>& r) { cast_on(s, r); }
 ray_hit<S, D> cast_ray(const Shape& shape, const transform<S, D>& body, const transform<S, D>& local,

@@ -80,7 +80,12 @@ struct first_hit {
         // How far the origin is behind the part, times the length of `out`.
         const double behind = dot(out, corner[0]), climb = dot(out, ray.displacement);
         const double noise = 0x1p-49 * (size + largest(ray.origin)) * largest(out);
-        if (abs(behind) <= noise) return keep_first(cast_on_core<S>(ray, core_of_face(face, 0), maximum()));
+        if (abs(behind) <= noise) {
+            // It begins in the plane of the part: it enters by the front, or misses.
+            const double along = 0x1p-49 * largest(ray.displacement) * largest(out);
+            if (!face.two_sided && climb < -along && view.passes(corner)) keep_first({true, 0, out});
+            return;
+        }
         if ((behind > 0 && !face.two_sided) || (behind > 0) != (climb > 0)) return;
         if (abs(behind) > abs(climb) * maximum() + noise || !view.passes(corner)) return;
         keep_first({true, min(behind / climb, maximum()), behind > 0 ? -out : out});

@@ -7,7 +7,7 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// A ray in a shape's frame, and where it meets the shape; the normal stays null where it begins within.
+/// A ray in a shape's frame, and where it meets the shape; the normal stays null where it begins strictly within.
 template <int D>
 struct local_ray {
     point<D> origin, displacement;
@@ -34,9 +34,18 @@ bool ball_span(const local_ray<D>& ray, double r, double& near, double& far) {
     return true;
 }
 
+/// A ray that begins on a surface, whose normal there may have any length: it enters, or misses.
+template <int D>
+local_hit<D> enter(const local_ray<D>& ray, const point<D>& out) {
+    if (!(dot(out, ray.displacement) < 0)) return {};
+    return {true, 0, normalized(out)};
+}
+
 template <int D>
 local_hit<D> cast_on_ball(const local_ray<D>& ray, double r) {
-    if (dot(ray.origin, ray.origin) <= r * r) return {true, 0, {}};
+    const double square = dot(ray.origin, ray.origin);
+    if (square < r * r) return {true, 0, {}};
+    if (square == r * r) return enter(ray, ray.origin);
     double near = 0, far = 0;
     if (!ball_span(ray, r, near, far) || near < 0 || near > 1) return {};
     return {true, near, normalized(ray.origin + ray.displacement * near)};
@@ -48,11 +57,13 @@ local_hit<D> cast_on_capsule(const local_ray<D>& ray, double half_length, double
     local_ray<D> across = ray;
     across.origin.x = across.displacement.x = 0;
     double near = 0, far = 0;
-    const bool begins_beside = dot(across.origin, across.origin) <= r * r;
+    const double square = dot(across.origin, across.origin);
+    const bool begins_beside = square <= r * r;
     if (!begins_beside && (!ball_span(across, r, near, far) || near < 0 || near > 1)) return {};
     const double x = ray.origin.x + ray.displacement.x * near;
     if (abs(x) <= half_length) {
-        if (begins_beside) return {true, 0, {}};
+        if (square < r * r) return {true, 0, {}};
+        if (begins_beside) return enter(ray, across.origin);
         return {true, near, normalized(across.origin + across.displacement * near)};
     }
     local_ray<D> to_end = ray;
@@ -65,12 +76,15 @@ template <int D>
 struct clipped_ray {
     double near = 0, far = 1;
     point<D> normal;
+    /// Whether it has come in from outside, or begins on a surface; whether that is one that it does not enter by.
+    bool enters = false, begins_on = false;
 
     /// Keeps what lies on the inner side of a plane: `height` is how far outside the ray begins, `climb` how fast it
     /// moves outwards. False if nothing is left.
     bool keep(double height, double climb, const point<D>& n) {
+        if (height == 0 && !(climb < 0)) begins_on = true;
         if (climb < 0) {
-            if (height > -climb * near) near = height / -climb, normal = n;
+            if (height > -climb * near || (height == 0 && !enters)) enter(height / -climb, n);
         } else if (climb > 0) {
             if (-height < climb * far) far = -height / climb;
         } else if (height > 0) {
@@ -78,7 +92,22 @@ struct clipped_ray {
         }
         return near <= far;
     }
-    [[nodiscard]] local_hit<D> hit() const { return {true, near, normal}; }
+    void enter(double at, const point<D>& n) {
+        near = at;
+        normal = n;
+        enters = true;
+    }
+    /// It begins on a round side, whose normal there may have any length.
+    void begin_on(const point<D>& out, const point<D>& displacement) {
+        if (largest(out) == 0) return;  // the tip of a cone
+        if (!(dot(out, displacement) < 0)) begins_on = true;
+        else if (!(near > 0) && !enters) enter(0, normalized(out));
+    }
+    /// One that begins on a face, and leaves it or goes along it, does not enter there.
+    [[nodiscard]] local_hit<D> hit() const {
+        if (begins_on && !(near > 0)) return {};
+        return {true, near, normal};
+    }
 };
 
 template <int D>
@@ -110,12 +139,14 @@ inline local_hit<3> cast_on_cylinder(const local_ray<3>& ray, double half, doubl
         if (!left.keep(side * ray.origin.x - half, side * ray.displacement.x, {side, 0, 0})) return {};
     local_ray<3> across = ray;
     across.origin.x = across.displacement.x = 0;
-    const bool begins_beside = dot(across.origin, across.origin) <= r * r;
+    const double square = dot(across.origin, across.origin);
+    const bool begins_beside = square <= r * r;
+    if (square == r * r) left.begin_on(across.origin, across.displacement);
     if (largest(across.displacement) == 0) return begins_beside ? left.hit() : local_hit<3>{};
     double near = 0, far = 0;
     if (!ball_span(across, r, near, far)) return {};
     if (begins_beside) return left.near <= max(far, 0.0) ? left.hit() : local_hit<3>{};
-    if (near > left.near) left = {near, left.far, normalized(across.origin + across.displacement * near)};
+    if (near > left.near) left.enter(near, normalized(across.origin + across.displacement * near));
     return left.near <= min(left.far, far) ? left.hit() : local_hit<3>{};
 }
 
@@ -161,7 +192,9 @@ inline local_hit<3> cast_on_cone(const local_ray<3>& ray, double half, double lo
     // As seen from the narrow end: there the digits count.
     const point<3> end{low < high ? -half : half, 0, 0}, origin = ray.origin - end;
     const double narrow = min(low, high);
-    const bool begins_beside = aside <= narrow + slope * origin.x;
+    const double radius = narrow + slope * origin.x;
+    const bool begins_beside = aside <= radius;
+    if (aside == radius) left.begin_on(point<3>{-slope * aside, origin.y, origin.z}, ray.displacement);
     const auto [u, length] = direction_and_length_of(ray.displacement);
     if (!(length > 0)) return begins_beside ? left.hit() : local_hit<3>{};
     const double start = -dot(origin, u);
@@ -176,7 +209,7 @@ inline local_hit<3> cast_on_cone(const local_ray<3>& ray, double half, double lo
         // At the tip the side that the ray sees.
         if (largest(out) <= 0x1p-40 * (half + largest(origin))) out = {-u.y, -u.z};
         out = normalized(out);
-        left = {near, left.far, normalized(point<3>{-slope, out.x, out.y})};
+        left.enter(near, normalized(point<3>{-slope, out.x, out.y}));
     }
     return left.near <= min(left.far, far) ? left.hit() : local_hit<3>{};
 }

@@ -225,21 +225,23 @@ template <class World, class Plan>
 auto query_bounds(const World& w, const shape_record<Plan>& shape) {
     return box_within(w.settings.contact_margin, shape);
 }
-/// What the broadphase knows of a shape besides.
-template <class Plan>
-proxy_filter filter_of(const shape_record<Plan>& shape, bool movable) {
-    const collision_filter& f = shape.filter;
-    return {f.category, f.mask, f.group, shape.body, movable, shape.sensor};
-}
 /// Whether the broadphase is to find what a body meets: it can be pushed, or moves where sensors may see it.
 template <class Plan>
 bool is_movable(const pool<typename Plan::body>& bodies, const sleep_of<Plan>& sleep, std::uint32_t body) {
     return is_awake_dynamic(bodies, sleep, body) ||
            (Plan::events::sensors && bodies[body].type == body_type::kinematic_body);
 }
+/// What the broadphase knows of a shape besides.
+template <class Plan>
+proxy_filter filter_of(const pool<typename Plan::body>& bodies, const sleep_of<Plan>& sleep,
+                       const shape_record<Plan>& shape) {
+    const collision_filter& f = shape.filter;
+    const auto kinds = static_cast<std::uint8_t>(1u << static_cast<unsigned>(bodies[shape.body].type));
+    return {f.category, f.mask, f.group, shape.body, is_movable<Plan>(bodies, sleep, shape.body), shape.sensor, kinds};
+}
 template <class World, class Plan>
 proxy_filter filter_of(const World& w, const shape_record<Plan>& shape) {
-    return filter_of(shape, is_movable<Plan>(w.bodies, w.sleep, shape.body));
+    return filter_of<Plan>(w.bodies, w.sleep, shape);
 }
 template <class Plan>
 void configure_broadphase(state<Plan>& s) {
@@ -281,10 +283,9 @@ template <class Plan>
 void reinsert_proxies(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
                       const sleep_of<Plan>& sleep, typename Plan::scalar margin, typename Plan::broadphase& broadphase,
                       std::uint32_t body) {
-    const bool movable = is_movable<Plan>(bodies, sleep, body);
     each_shape(bodies, shapes, body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
         broadphase.erase(i);
-        broadphase.insert(i, box_within(margin, shape), filter_of(shape, movable));
+        broadphase.insert(i, box_within(margin, shape), filter_of<Plan>(bodies, sleep, shape));
     });
 }
 template <class Plan>

@@ -44,7 +44,7 @@ protected:
                 if (in_.joints.keep_apart(body, record.body)) return;
             found.push_back(shape);
         };
-        each_near(in_, box, query_filter{.movable = everything, .any_category = true}, add);
+        each_near(in_, box, query_filter{.any_category = true}, add, everything);
         if (everything)
             for (const auto& partner : data_.moving_bodies)
                 if (overlap(partner.box, path))

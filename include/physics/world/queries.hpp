@@ -21,6 +21,8 @@ struct world_hit {
     /// Unit vector out of the shape; null where a ray begins within.
     vec<S, D> normal;
 
+    /// Whether the ray begins strictly within the shape.
+    [[nodiscard]] bool inside() const { return *this && normal == vec<S, D>{}; }
     /// True if anything is hit.
     explicit operator bool() const { return static_cast<bool>(shape); }
 };
@@ -106,7 +108,7 @@ void cast_ray(const state<Plan>& s, const char* function, vec<typename Plan::sca
     each_on(s, {origin, translation}, filter, [&](std::uint32_t i) {
         const auto& shape = s.shapes[i];
         const auto hit = cast_ray(shape.shape, s.bodies[shape.body].pose(), shape.local, origin, translation);
-        if (hit && !(hit.fraction > limit))
+        if (hit && !(hit.fraction > limit) && (filter.inside || !(hit.normal == decltype(hit.normal){})))
             limit = min(limit, visit(world_hit<S, Plan::dimension>{id_of_shape(s, i), body_of_shape(s, i), hit.fraction,
                                                                    hit.point, hit.normal}));
         return limit;

@@ -20,8 +20,8 @@ public:
                                            const query_filter& filter = {}) const {
         return detail::world_code<Plan>::cast_ray(state(), origin, translation, filter);
     }
-    /// Calls visit(hit) for shapes that the ray meets, in their order along it. visit returns the fraction of the
-    /// translation up to which the ray goes on: 1 for all, -1 to stop. To find the first alone, cast_ray is faster.
+    /// Calls visit(hit) for shapes that the ray meets, in their order along it. Where visit returns a bool, false ends
+    /// the query. To find the first alone, cast_ray is faster.
     template <class Visit>
     void each_hit_along_ray(vec<S, D> origin, vec<S, D> translation, const query_filter& filter, Visit&& visit) const {
         detail::each_hit_along_ray(state(), origin, translation, filter, visit);

@@ -197,10 +197,9 @@ void each_hit_along_ray(const state<Plan>& s, vec<typename Plan::scalar, Plan::d
                         Visit&& visit) {
     typename world_code<Plan>::hits hits;
     world_code<Plan>::find_hits(s, origin, translation, filter, hits);
-    typename Plan::scalar limit(1);
     for (const auto& hit : hits) {
-        if (hit.fraction > limit || hit.shape.world != s.tag) return;
-        if (s.shapes.contains(hit.shape.index, hit.shape.generation)) limit = min(limit, visit(hit));
+        if (hit.shape.world != s.tag) return;
+        if (s.shapes.contains(hit.shape.index, hit.shape.generation) && !go_on(visit, hit)) return;
     }
 }
 
