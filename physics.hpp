@@ -23052,7 +23052,8 @@ template <class S, int D>
 struct material {
     /// Coulomb friction coefficient, at least 0.
     S friction = S(0.6);
-    /// Share of the approach speed that a bounce gives back, 0 to 1.
+    /// Share of the approach speed that a bounce gives back, at least 0. Above 1 a bounce adds energy, as the bumpers
+    /// of a pinball do.
     S restitution = S(0);
     /// Arm of rolling friction (m), at least 0: a torque of up to this times the normal force resists rolling. A ball
     /// of radius r stays on slopes up to the angle of tangent rolling_resistance / r. Source: Coulomb, Théorie des
@@ -23070,7 +23071,7 @@ struct material {
 /// functions of two materials. They are called for each contact in each step, with the material of the shape whose kind
 /// comes first in the recipe's set, among equals with that of the lower number; so a rule should be symmetric. If all
 /// surfaces are of one material they are called once a step, with it and itself. Refused by the step: results that are
-/// negative or not finite, and a restitution above 1. Velocities of surfaces need no rule: how fast two of them run
+/// negative or not finite. Velocities of surfaces need no rule: how fast two of them run
 /// against each other is their difference.
 template <class Rule, class Space>
 concept mixing_for = requires(const material<typename Space::scalar, Space::dimension>& m) {
@@ -33200,10 +33201,7 @@ bool combine_materials(Coefficients& c, const material<typename Plan::scalar, Pl
     const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
     bool good = true;
     if constexpr (features::friction) good = is_good(c.friction = Plan::mixing::friction(of_a, of_b));
-    if constexpr (features::restitution) {
-        c.restitution = Plan::mixing::restitution(of_a, of_b);
-        good = good && is_good(c.restitution) && !(c.restitution > S(1));
-    }
+    if constexpr (features::restitution) good = is_good(c.restitution = Plan::mixing::restitution(of_a, of_b)) && good;
     if constexpr (features::rolling_resistance)
         good = is_good(c.rolling_resistance = Plan::mixing::rolling_resistance(of_a, of_b)) && good;
     return good;
@@ -36369,8 +36367,6 @@ bool check_material(const char* function, const material<S, D>& m, const names_o
         !check_not_negative(function, name.rolling_resistance, m.rolling_resistance) ||
         !check_finite(function, name.surface_velocity, m.surface_velocity))
         return false;
-    if (m.restitution > S(1))
-        return refuse(function, name.restitution, static_cast<double>(m.restitution), "it must be at most 1");
     return (features::restitution || check_left_out(function, name.restitution, m.restitution)) &&
            (features::rolling_resistance || check_left_out(function, name.rolling_resistance, m.rolling_resistance)) &&
            (features::surface_velocity || check_left_out(function, name.surface_velocity, m.surface_velocity));
@@ -36563,8 +36559,7 @@ inline void report(step_result result) {
                "it must have a worker at least, and call the work once with every part, as a worker below workers()");
     if (result == step_result::bad_mixing_rule)
         refuse("step", "a coefficient of two surfaces", "out of range",
-               "the mixing rule must give friction and rolling_resistance that are finite and at least 0, "
-               "and a restitution of 0 to 1");
+               "the mixing rule must give friction, restitution and rolling_resistance that are finite and at least 0");
 }
 
 /// Sets the mark that a step is under way, as long as the scope lives.
@@ -37030,8 +37025,10 @@ void wake_all(world_data<Plan>& s) {
 template <class Plan>
 std::uint32_t count_awake(const state<Plan>& s) {
     std::uint32_t count = 0;
-    s.bodies.each(
-        [&](std::uint32_t i, const auto& b) { count += b.type != body_type::static_body && !s.is_asleep(i); });
+    s.bodies.each([&](std::uint32_t i, const auto& b) {
+        const bool moves = b.has_target || !(b.at_target || b.velocity == decltype(b.velocity){});
+        count += b.is_dynamic() ? !s.is_asleep(i) : moves;
+    });
     return count;
 }
 
@@ -39437,7 +39434,7 @@ public:
         data_.bodies[b.index].can_sleep = can;
         if (!can) code::wake(data_, b.index);
     }
-    /// Number of bodies that move and are awake. O(bodies).
+    /// Number of dynamic bodies that are awake, and of kinematic ones that move. O(bodies).
     [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(data_); }
     /// Whether moving bodies stop it too on its way through a step (see swept), and what the last step's sweeps did.
     [[nodiscard]] bool continuous(body_id id) const { return detail::is_continuous(data_, id); }
@@ -39700,7 +39697,7 @@ struct no_hook {
 
 /// Advances a world in fixed steps by whatever time has really passed, so that the motion does not depend
 /// on the frame rate. Time that does not fill a step is carried over; interpolated() shows the world in
-/// between. It remembers the poses before the last step: 24 to 64 bytes a body.
+/// between. It remembers the poses before and after the last step: 40 to 120 bytes a body.
 /// Source: Fiedler, Fix Your Timestep! (2004).
 template <class World>
 class accumulator {
@@ -39749,11 +39746,19 @@ public:
     [[nodiscard]] scalar rest() const { return rest_; }
     [[nodiscard]] const settings_type& settings() const { return settings_; }
 
-    /// The pose to draw: between the poses before and after the last step, by factor(). Bodies that are newer
-    /// than the last step stand where they are. Turns by the shorter way, at constant speed.
+    /// Forgets the time that waits and the poses that are remembered: for another world, or another scene in it.
+    void reset() {
+        rest_ = {};
+        before_.clear();
+    }
+
+    /// The pose to draw: between the poses before and after the last step, by factor(). Bodies that are newer than the
+    /// last step, that have been put elsewhere since, or whose world has been brought back to another state, stand
+    /// where they are. Turns by the shorter way, at constant speed.
     [[nodiscard]] transform interpolated(const World& world, body_id id) const {
         const transform now = world.pose(id);
         if (!(id.index < before_.size()) || !(before_[id.index].id == id) || !world.contains(id)) return now;
+        if (!(before_[id.index].after == now) || world.steps() != steps_) return now;
         const transform& then = before_[id.index].pose;
         const auto turn = rotation_vector(now.rotation * inverse(then.rotation));
         return {then.position + (now.position - then.position) * factor(), turned(then.rotation, turn * factor())};
@@ -39763,7 +39768,7 @@ private:
     using S = scalar;
     struct memory {
         body_id id;
-        transform pose;
+        transform pose, after;
     };
 
     template <class Before, class After, class Step>
@@ -39785,6 +39790,7 @@ private:
                 report.dropped += settings_.step * S(due - report.steps);
                 break;
             }
+            remember_end(world);
             after(world);
         }
         return report;
@@ -39793,13 +39799,20 @@ private:
         before_.clear();
         for (const body_id id : world.bodies()) {
             before_.resize(id.index + 1);
-            before_[id.index] = {id, world.pose(id)};
+            before_[id.index] = {id, world.pose(id), {}};
         }
+    }
+    void remember_end(const World& world) {
+        steps_ = world.steps();
+        for (memory& m : before_)
+            if (m.id && world.contains(m.id)) m.after = world.pose(m.id);
     }
 
     settings_type settings_;
     scalar rest_{};
     buffer<memory> before_;
+    /// How many steps the world had taken then.
+    std::uint64_t steps_ = 0;
 };
 
 PHYSICS_HPP_END

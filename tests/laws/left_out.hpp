@@ -213,8 +213,7 @@ CELL_CASE("materials: the rule is asked once a step for all, and the step refuse
     const std::uint64_t before = p.w.state_hash();
     CHECK_THROWS_WITH(p.step(),
                       "physics: step: a coefficient of two surfaces is out of range; the mixing rule must "
-                      "give friction and rolling_resistance that are finite and at least 0, and a "
-                      "restitution of 0 to 1");
+                      "give friction, restitution and rolling_resistance that are finite and at least 0");
     CHECK(p.w.state_hash() == before);
     // They are those of the last step.
     for (const auto& c : p.w.contacts()) CHECK(c.friction == S(0.5));
@@ -282,7 +281,6 @@ CELL_CASE("materials: settings refuse bad ones by name, and leave the world as i
     };
     refuses("material.friction is -1; it must not be negative", {.friction = S(-1)});
     refuses("material.restitution is -0.5; it must not be negative", {.restitution = S(-0.5)});
-    refuses("material.restitution is 1.5; it must be at most 1", {.restitution = S(1.5)});
     refuses("material.rolling_resistance is -2; it must not be negative", {.rolling_resistance = S(-2)});
     refuses(std::string("material.surface_velocity") + (cell::is_2d ? "" : ".x") + " is 5; the recipe leaves it out",
             {.surface_velocity = running(5)});

@@ -171,6 +171,27 @@ CELL_CASE("loop: bodies that come, go and change places between steps are drawn 
     CHECK(clock.interpolated(other, stranger).position == along(0, 50));
 }
 
+CELL_CASE("loop: teleports, worlds that are brought back and resets are drawn as no way") {
+    world w(weightless());
+    accumulator clock = clock_of(16, 256);
+    const body_id a = w.create_body({.linear_velocity = along(0, 64)}), b = w.create_body({.position = along(0, 8)});
+    const world start = w;
+    clock.advance(w, S(24.0 / 1024));
+    CHECK(clock.interpolated(w, a).position == along(0, 0.5));
+    w.set_pose(a, along(0, 100), {});
+    CHECK(clock.interpolated(w, a).position == along(0, 100));
+    CHECK(clock.interpolated(w, b).position == along(0, 8));
+    clock.advance(w, S(16.0 / 1024));
+    CHECK(clock.interpolated(w, a).position == along(0, 100.5));
+    w = start;
+    CHECK(clock.interpolated(w, a).position == vec{});
+    CHECK(clock.rest() == S(8.0 / 1024));
+    clock.reset();
+    CHECK(clock.rest() == S(0));
+    CHECK(clock.advance(w, S(8.0 / 1024)).steps == 0);
+    CHECK(clock.interpolated(w, a).position == vec{});
+}
+
 CELL_CASE("loop: settings and times out of range are refused, and the clock stands still") {
     world w;
     accumulator clock = clock_of(16, 256);

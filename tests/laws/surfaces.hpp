@@ -472,6 +472,30 @@ CELL_CASE("mixing: each rule gives what it says, whoever comes first; a user's r
     check_mixture<physics::average_mixing>(0.625, 0.375, 0.09375);
     check_mixture<rubber_wins>(1, 0.125, 0.1875);
 }
+template <class... Policies>
+void check_bumper(double restitution) {
+    for (const double speed : {2.0, 10.0}) {
+        made_of<Policies...> w = ground<made_of<Policies...>>({.friction = S(0), .restitution = S(restitution)});
+        auto settings = w.settings();
+        settings.gravity = {};
+        w.set_settings(settings);
+        const body_id id = w.create_body({.position = along(1, 1), .linear_velocity = along(1, -speed)});
+        w.create_shape(id, physics::ball<S, D>{S(0.5)});
+        double fastest = 0;
+        for (int i = 0; i < 40; ++i) {
+            w.step(S(1.0 / 64));
+            fastest = std::max(fastest, cell::number(w.linear_velocity(id).y));
+        }
+        CHECK(std::abs(fastest - restitution * speed) <= 1e-3 * restitution * speed);
+        CHECK(std::abs(cell::number(w.linear_velocity(id).y) - fastest) <= 1e-3 * fastest);
+    }
+}
+CELL_CASE("bounces: a bumper gives back more than it gets") {
+    for (const double restitution : {1.0, 1.5, 4.0}) {
+        check_bumper<>(restitution);
+        check_bumper<physics::sequential_impulse>(restitution);
+    }
+}
 CELL_CASE("mixing: the step refuses what no solver takes, and changes nothing") {
     auto w = ground<made_of<gone_wrong>>({.friction = S(0.5)});
     const body_id id = w.create_body({.position = along(1, 0.5)});
@@ -479,8 +503,8 @@ CELL_CASE("mixing: the step refuses what no solver takes, and changes nothing") 
     const std::uint64_t before = w.state_hash();
     CHECK_THROWS_WITH(
         w.step(S(1.0 / 64)),
-        "physics: step: a coefficient of two surfaces is out of range; the mixing rule must give friction "
-        "and rolling_resistance that are finite and at least 0, and a restitution of 0 to 1");
+        "physics: step: a coefficient of two surfaces is out of range; the mixing rule must give friction, "
+        "restitution and rolling_resistance that are finite and at least 0");
     CHECK(w.state_hash() == before);
     w.set_material(shape, {.friction = S(0.5)});
     w.step(S(1.0 / 64));

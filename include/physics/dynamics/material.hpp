@@ -16,7 +16,8 @@ template <class S, int D>
 struct material {
     /// Coulomb friction coefficient, at least 0.
     S friction = S(0.6);
-    /// Share of the approach speed that a bounce gives back, 0 to 1.
+    /// Share of the approach speed that a bounce gives back, at least 0. Above 1 a bounce adds energy, as the bumpers
+    /// of a pinball do.
     S restitution = S(0);
     /// Arm of rolling friction (m), at least 0: a torque of up to this times the normal force resists rolling. A ball
     /// of radius r stays on slopes up to the angle of tangent rolling_resistance / r. Source: Coulomb, Théorie des
@@ -34,7 +35,7 @@ struct material {
 /// functions of two materials. They are called for each contact in each step, with the material of the shape whose kind
 /// comes first in the recipe's set, among equals with that of the lower number; so a rule should be symmetric. If all
 /// surfaces are of one material they are called once a step, with it and itself. Refused by the step: results that are
-/// negative or not finite, and a restitution above 1. Velocities of surfaces need no rule: how fast two of them run
+/// negative or not finite. Velocities of surfaces need no rule: how fast two of them run
 /// against each other is their difference.
 template <class Rule, class Space>
 concept mixing_for = requires(const material<typename Space::scalar, Space::dimension>& m) {

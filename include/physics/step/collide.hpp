@@ -111,10 +111,7 @@ bool combine_materials(Coefficients& c, const material<typename Plan::scalar, Pl
     const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
     bool good = true;
     if constexpr (features::friction) good = is_good(c.friction = Plan::mixing::friction(of_a, of_b));
-    if constexpr (features::restitution) {
-        c.restitution = Plan::mixing::restitution(of_a, of_b);
-        good = good && is_good(c.restitution) && !(c.restitution > S(1));
-    }
+    if constexpr (features::restitution) good = is_good(c.restitution = Plan::mixing::restitution(of_a, of_b)) && good;
     if constexpr (features::rolling_resistance)
         good = is_good(c.rolling_resistance = Plan::mixing::rolling_resistance(of_a, of_b)) && good;
     return good;

@@ -16,8 +16,7 @@ inline void report(step_result result) {
                "it must have a worker at least, and call the work once with every part, as a worker below workers()");
     if (result == step_result::bad_mixing_rule)
         refuse("step", "a coefficient of two surfaces", "out of range",
-               "the mixing rule must give friction and rolling_resistance that are finite and at least 0, "
-               "and a restitution of 0 to 1");
+               "the mixing rule must give friction, restitution and rolling_resistance that are finite and at least 0");
 }
 
 /// Sets the mark that a step is under way, as long as the scope lives.

@@ -132,8 +132,6 @@ bool check_material(const char* function, const material<S, D>& m, const names_o
         !check_not_negative(function, name.rolling_resistance, m.rolling_resistance) ||
         !check_finite(function, name.surface_velocity, m.surface_velocity))
         return false;
-    if (m.restitution > S(1))
-        return refuse(function, name.restitution, static_cast<double>(m.restitution), "it must be at most 1");
     return (features::restitution || check_left_out(function, name.restitution, m.restitution)) &&
            (features::rolling_resistance || check_left_out(function, name.rolling_resistance, m.rolling_resistance)) &&
            (features::surface_velocity || check_left_out(function, name.surface_velocity, m.surface_velocity));

@@ -71,8 +71,10 @@ void wake_all(world_data<Plan>& s) {
 template <class Plan>
 std::uint32_t count_awake(const state<Plan>& s) {
     std::uint32_t count = 0;
-    s.bodies.each(
-        [&](std::uint32_t i, const auto& b) { count += b.type != body_type::static_body && !s.is_asleep(i); });
+    s.bodies.each([&](std::uint32_t i, const auto& b) {
+        const bool moves = b.has_target || !(b.at_target || b.velocity == decltype(b.velocity){});
+        count += b.is_dynamic() ? !s.is_asleep(i) : moves;
+    });
     return count;
 }
 

@@ -304,7 +304,7 @@ public:
         data_.bodies[b.index].can_sleep = can;
         if (!can) code::wake(data_, b.index);
     }
-    /// Number of bodies that move and are awake. O(bodies).
+    /// Number of dynamic bodies that are awake, and of kinematic ones that move. O(bodies).
     [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(data_); }
     /// Whether moving bodies stop it too on its way through a step (see swept), and what the last step's sweeps did.
     [[nodiscard]] bool continuous(body_id id) const { return detail::is_continuous(data_, id); }
