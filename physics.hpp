@@ -5589,6 +5589,54 @@ private:
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/shape/placed.hpp
+// =================================================================================================
+// Shapes that are given with their places: upright, or from a point to a point.
+
+PHYSICS_HPP_BEGIN
+
+/// A shape and where its frame is in that of its body: what upright() and between() of long shapes give, which lie
+/// along x in their own frames, for create_shape.
+template <class Shape, int D>
+struct placed_shape {
+    using S = typename Shape::scalar;
+
+    Shape shape;
+    vec<S, D> position = {};
+    physics::rotation<S, D> rotation = {};
+};
+
+namespace detail {
+
+/// Takes the x axis to the direction of a vector, if it has one.
+template <class S>
+rotation<S, 2> along_axis(const vec<S, 2>& axis) {
+    const vec<S, 2> x = normalized(axis);
+    return x == vec<S, 2>{} ? rotation<S, 2>{} : rotation<S, 2>{x.x, x.y};
+}
+template <class S>
+rotation<S, 3> along_axis(const vec<S, 3>& axis) {
+    const vec<S, 3> x = normalized(axis);
+    return x == vec<S, 3>{} ? rotation<S, 3>{} : shortest_turn<S>({S(1), S(0), S(0)}, x, {S(0), S(0), S(1)});
+}
+/// Takes it to the y axis.
+template <class S, int D>
+rotation<S, D> upwards() {
+    vec<S, D> y;
+    y.y = S(1);
+    return along_axis(y);
+}
+/// Of a shape that is as long as two points are apart.
+template <class Shape, class S, int D>
+placed_shape<Shape, D> placed_between(const Shape& shape, const vec<S, D>& from, const vec<S, D>& to) {
+    return {shape, from + (to - from) * S(0.5), along_axis(to - from)};
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/shape/capsule.hpp
 // =================================================================================================
 // The capsule: all points near a segment.
@@ -5602,6 +5650,15 @@ struct capsule {
     using scalar = S;
     S half_length = S(0.5);
     S radius = S(0.25);
+
+    /// Along y, as tall as that from end to end (m; more than two radii), with its middle at the origin of the body.
+    [[nodiscard]] static placed_shape<capsule, D> upright(S height, S radius) {
+        return {{height * S(0.5) - radius, radius}, {}, detail::upwards<S, D>()};
+    }
+    /// All points near the segment from a point of the body to another one.
+    [[nodiscard]] static placed_shape<capsule, D> between(const vec<S, D>& from, const vec<S, D>& to, S radius) {
+        return detail::placed_between(capsule{length(to - from) * S(0.5), radius}, from, to);
+    }
 
     template <class T>
     [[nodiscard]] constexpr capsule<T, D> as() const {
@@ -8974,6 +9031,16 @@ struct cone<S, 3> {
     S upper_radius{};
     S rounding{};
 
+    /// Along y, as tall as that (m), with the middle of its axis at the origin of the body, and its upper end above.
+    [[nodiscard]] static placed_shape<cone, 3> upright(S height, S lower_radius, S upper_radius = S(0)) {
+        return {{height * S(0.5), lower_radius, upper_radius}, {}, detail::upwards<S, 3>()};
+    }
+    /// With its lower end at a point of the body, and its upper one at another.
+    [[nodiscard]] static placed_shape<cone, 3> between(const vec<S, 3>& lower, const vec<S, 3>& upper, S lower_radius,
+                                                       S upper_radius = S(0)) {
+        return detail::placed_between(cone{length(upper - lower) * S(0.5), lower_radius, upper_radius}, lower, upper);
+    }
+
     template <class T>
     [[nodiscard]] constexpr cone<T, 3> as() const {
         return {static_cast<T>(half_length), static_cast<T>(lower_radius), static_cast<T>(upper_radius),
@@ -9033,6 +9100,15 @@ struct cylinder<S, 3> {
     S half_length = S(0.5);
     S radius = S(0.5);
     S rounding{};
+
+    /// Along y, as tall as that (m), with its middle at the origin of the body.
+    [[nodiscard]] static placed_shape<cylinder, 3> upright(S height, S radius) {
+        return {{height * S(0.5), radius}, {}, detail::upwards<S, 3>()};
+    }
+    /// From a point of the body to another one.
+    [[nodiscard]] static placed_shape<cylinder, 3> between(const vec<S, 3>& from, const vec<S, 3>& to, S radius) {
+        return detail::placed_between(cylinder{length(to - from) * S(0.5), radius}, from, to);
+    }
 
     template <class T>
     [[nodiscard]] constexpr cylinder<T, 3> as() const {
@@ -38270,6 +38346,15 @@ void each_hit_along_ray(const state<Plan>& s, vec<typename Plan::scalar, Plan::d
     }
 }
 
+/// With a pose that places the shape as seen from the one that it has.
+template <class Def, class Placed>
+Def moved_def(Def def, const Placed& placed) {
+    scoped([&] {
+        def.position += def.rotation * placed.position;
+        def.rotation = def.rotation * placed.rotation;
+    });
+    return def;
+}
 template <class Plan, class Shape>
 shape_id create_shape(world_data<Plan>& s, body_id body, const Shape& shape, const typename Plan::shape_def& def) {
     const lookup at = find_body(s, body, "create_shape");
@@ -39248,6 +39333,12 @@ public:
             "physics::world::create_shape: the recipe's set of shapes lacks this one; name it in physics::shapes<...>");
         if constexpr (known) return detail::create_shape(data_, body, shape, def);
         else return {};
+    }
+    /// The same for a shape that is given with its place, as capsule::upright() and between() give it; the pose of
+    /// `def` moves that.
+    template <class Shape>
+    shape_id create_shape(body_id body, const placed_shape<Shape, dimension>& placed, const shape_def& def = {}) {
+        return create_shape(body, placed.shape, detail::moved_def(def, placed));
     }
     /// Removes a shape and its contacts. Refused where the rest's mass is one that the scalar cannot hold. O(contacts).
     void destroy_shape(shape_id id) {

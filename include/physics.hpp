@@ -159,6 +159,7 @@
 #include "physics/shape/mesh_data.hpp"
 #include "physics/shape/mesh_links.hpp"
 #include "physics/shape/part_tree.hpp"
+#include "physics/shape/placed.hpp"
 #include "physics/shape/quickhull.hpp"
 #include "physics/shape/rounded_box.hpp"
 #include "physics/shape/segment.hpp"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/shape/concept.hpp"
+#include "physics/shape/placed.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -12,6 +13,15 @@ struct capsule {
     using scalar = S;
     S half_length = S(0.5);
     S radius = S(0.25);
+
+    /// Along y, as tall as that from end to end (m; more than two radii), with its middle at the origin of the body.
+    [[nodiscard]] static placed_shape<capsule, D> upright(S height, S radius) {
+        return {{height * S(0.5) - radius, radius}, {}, detail::upwards<S, D>()};
+    }
+    /// All points near the segment from a point of the body to another one.
+    [[nodiscard]] static placed_shape<capsule, D> between(const vec<S, D>& from, const vec<S, D>& to, S radius) {
+        return detail::placed_between(capsule{length(to - from) * S(0.5), radius}, from, to);
+    }
 
     template <class T>
     [[nodiscard]] constexpr capsule<T, D> as() const {

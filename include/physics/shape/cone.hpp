@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/shape/frustum.hpp"
+#include "physics/shape/placed.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -19,6 +20,16 @@ struct cone<S, 3> {
     S lower_radius = S(0.5);
     S upper_radius{};
     S rounding{};
+
+    /// Along y, as tall as that (m), with the middle of its axis at the origin of the body, and its upper end above.
+    [[nodiscard]] static placed_shape<cone, 3> upright(S height, S lower_radius, S upper_radius = S(0)) {
+        return {{height * S(0.5), lower_radius, upper_radius}, {}, detail::upwards<S, 3>()};
+    }
+    /// With its lower end at a point of the body, and its upper one at another.
+    [[nodiscard]] static placed_shape<cone, 3> between(const vec<S, 3>& lower, const vec<S, 3>& upper, S lower_radius,
+                                                       S upper_radius = S(0)) {
+        return detail::placed_between(cone{length(upper - lower) * S(0.5), lower_radius, upper_radius}, lower, upper);
+    }
 
     template <class T>
     [[nodiscard]] constexpr cone<T, 3> as() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/shape/frustum.hpp"
+#include "physics/shape/placed.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -17,6 +18,15 @@ struct cylinder<S, 3> {
     S half_length = S(0.5);
     S radius = S(0.5);
     S rounding{};
+
+    /// Along y, as tall as that (m), with its middle at the origin of the body.
+    [[nodiscard]] static placed_shape<cylinder, 3> upright(S height, S radius) {
+        return {{height * S(0.5), radius}, {}, detail::upwards<S, 3>()};
+    }
+    /// From a point of the body to another one.
+    [[nodiscard]] static placed_shape<cylinder, 3> between(const vec<S, 3>& from, const vec<S, 3>& to, S radius) {
+        return detail::placed_between(cylinder{length(to - from) * S(0.5), radius}, from, to);
+    }
 
     template <class T>
     [[nodiscard]] constexpr cylinder<T, 3> as() const {

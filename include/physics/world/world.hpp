@@ -119,6 +119,12 @@ public:
         if constexpr (known) return detail::create_shape(data_, body, shape, def);
         else return {};
     }
+    /// The same for a shape that is given with its place, as capsule::upright() and between() give it; the pose of
+    /// `def` moves that.
+    template <class Shape>
+    shape_id create_shape(body_id body, const placed_shape<Shape, dimension>& placed, const shape_def& def = {}) {
+        return create_shape(body, placed.shape, detail::moved_def(def, placed));
+    }
     /// Removes a shape and its contacts. Refused where the rest's mass is one that the scalar cannot hold. O(contacts).
     void destroy_shape(shape_id id) {
         const auto s = detail::find_shape(data_, id, "destroy_shape");

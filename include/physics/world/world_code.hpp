@@ -203,6 +203,15 @@ void each_hit_along_ray(const state<Plan>& s, vec<typename Plan::scalar, Plan::d
     }
 }
 
+/// With a pose that places the shape as seen from the one that it has.
+template <class Def, class Placed>
+Def moved_def(Def def, const Placed& placed) {
+    scoped([&] {
+        def.position += def.rotation * placed.position;
+        def.rotation = def.rotation * placed.rotation;
+    });
+    return def;
+}
 template <class Plan, class Shape>
 shape_id create_shape(world_data<Plan>& s, body_id body, const Shape& shape, const typename Plan::shape_def& def) {
     const lookup at = find_body(s, body, "create_shape");
