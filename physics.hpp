@@ -37950,6 +37950,33 @@ struct closest_hit {
     explicit operator bool() const { return static_cast<bool>(shape); }
 };
 
+/// A contact that a shape would have with one of a world's, or with a part of that.
+template <class S, int D>
+struct shape_contact {
+    struct point {
+        /// Halfway between the surfaces (m).
+        vec<S, D> position;
+        /// Distance of the surfaces along the normal (m); negative is the depth of their overlap.
+        S separation;
+    };
+
+    shape_id shape;
+    body_id body;
+    /// Which part of a concave shape; 0 of convex ones.
+    std::uint32_t part;
+    /// Unit vector out of the world's shape.
+    vec<S, D> normal;
+    point points[manifold<S, D>::capacity];
+    int count;
+
+    /// That of the point which is deepest.
+    [[nodiscard]] S separation() const {
+        S deepest = points[0].separation;
+        for (int k = 1; k < count; ++k) deepest = min(deepest, points[k].separation);
+        return deepest;
+    }
+};
+
 namespace detail {
 
 /// A point, as a shape to ask with.
@@ -38103,6 +38130,43 @@ void each_overlapping(const state<Plan>& s, const char* f, const Shape& shape,
     }
 }
 
+/// Finds the contacts that a shape would have at a pose within a margin, in ascending order of shapes and parts.
+template <class Plan>
+void collide_shape(const state<Plan>& s, const typename Plan::shape& shape,
+                   const transform<typename Plan::scalar, Plan::dimension>& pose, typename Plan::scalar margin,
+                   const query_filter& filter, buffer<shape_contact<typename Plan::scalar, Plan::dimension>>& to) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const char* f = "collide_shape";
+    if (!check_pose(f, pose.position, pose.rotation) || !check_not_negative(f, "margin", margin) ||
+        !check_filter(s, f, filter))
+        return;
+    const auto box = grown(bounds(shape, pose), margin);
+    if (!check_extent(f, box)) return;
+    manifold_list<S, D> found;
+    each_near(s, box, filter, [&](std::uint32_t i) {
+        const auto& other = s.shapes[i];
+        // The narrowphase wants the shape of the lower kind first.
+        const bool is_first = other.shape.kind() <= shape.kind();
+        const auto &a = is_first ? other.shape : shape, &b = is_first ? shape : other.shape;
+        const auto &at_a = is_first ? other.pose : pose, &at_b = is_first ? pose : other.pose;
+        const typename Plan::query query{&a, &b, relative(at_a, at_b)};
+        found.clear();
+        if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, margin, nullptr, found);
+        else Plan::narrowphase::collide(&query, 1, margin, found);
+        for (const auto& [number, part, m] : found) {
+            const vec<S, D> normal = at_a.rotation * m.normal;
+            shape_contact<S, D> c{
+                id_of_shape(s, i), body_of_shape(s, i), part, is_first ? normal : -normal, {}, m.count};
+            for (int k = 0; k < m.count; ++k) c.points[k] = {at_a * m.points[k].position, m.points[k].separation};
+            to.push_back(c);
+        }
+    });
+    sort_in_place(to.begin(), to.size(), [](const auto& x, const auto& y) {
+        return x.shape.index != y.shape.index ? x.shape.index < y.shape.index : x.part < y.part;
+    });
+}
+
 /// All within a distance of a point, as far as numbers go.
 template <class S, int D>
 aabb<S, D> around(vec<S, D> point, S reach) {
@@ -38202,6 +38266,8 @@ struct world_code {
     static hit cast_ray(const state& s, vec origin, vec translation, const query_filter& filter);
     static void find_hits(const state& s, vec origin, vec translation, const query_filter& filter, hits& to);
     static closest closest_shape(const state& s, vec point, S reach, const query_filter& filter);
+    static void collide_shape(const state& s, const typename Plan::shape& shape, const transform& pose, S margin,
+                              const query_filter& filter, buffer<shape_contact<S, D>>& to);
 };
 
 template <class Plan>
@@ -38330,6 +38396,11 @@ void world_code<Plan>::find_hits(const state& s, vec origin, vec translation, co
 template <class Plan>
 auto world_code<Plan>::closest_shape(const state& s, vec point, S reach, const query_filter& filter) -> closest {
     return scoped([&] { return detail::closest_shape(s, point, reach, filter); });
+}
+template <class Plan>
+void world_code<Plan>::collide_shape(const state& s, const typename Plan::shape& shape, const transform& pose, S margin,
+                                     const query_filter& filter, buffer<shape_contact<S, D>>& to) {
+    scoped([&] { detail::collide_shape(s, shape, pose, margin, filter, to); });
 }
 
 /// Calls visit(hit) for shapes that a ray meets, the first ones first; visit may change the world. What it has
@@ -39010,6 +39081,24 @@ public:
         if (detail::check_finite("each_at", "point", point))
             detail::each_overlapping(state(), "each_at", detail::point_shape<S, D>{}, {point, {}}, filter, visit);
     }
+    /// Calls visit(shape_contact) for the contacts that a shape of the recipe's set would have at that pose: with all
+    /// that is no farther than the margin (m), in ascending order of shapes' numbers and of their parts. Where visit
+    /// returns a bool, false ends the query. Cost: that of their narrowphase.
+    template <class Shape, class Visit>
+    void collide_shape(const Shape& shape, const transform<S, D>& pose, S margin, const query_filter& filter,
+                       Visit&& visit) const {
+        if (!detail::scoped([&] { return check(shape, "collide_shape"); })) return;
+        typename Plan::shape any;
+        any = shape;
+        buffer<shape_contact<S, D>> found;
+        detail::world_code<Plan>::collide_shape(state(), any, pose, margin, filter, found);
+        const std::uint16_t tag = state().tag;
+        for (const auto& c : found) {
+            // Another world may have taken its place.
+            if (state().tag != tag) return;
+            if (state().shapes.contains(c.shape.index, c.shape.generation) && !detail::go_on(visit, c)) return;
+        }
+    }
     /// The shape closest to a point, none farther than `reach` (m).
     [[nodiscard]] closest_hit<S, D> closest_shape(vec<S, D> point, S reach, const query_filter& filter = {}) const {
         return detail::world_code<Plan>::closest_shape(state(), point, reach, filter);
@@ -39264,6 +39353,7 @@ public:
     using any_shape = typename plan::shape;
     using world_hit = physics::world_hit<scalar, dimension>;
     using closest_hit = physics::closest_hit<scalar, dimension>;
+    using shape_contact = physics::shape_contact<scalar, dimension>;
     using of_joints::contains, of_joints::user_data, of_joints::set_user_data;
 
     /// An empty world. Refuses settings out of range, and a build whose arithmetic would not give the same

@@ -197,6 +197,51 @@ CELL_CASE("world queries: exact answers") {
     CHECK_FALSE(w.closest_shape(at(0, 4), S(1)));
 }
 
+CELL_CASE("world queries: a shape collides with what a body of that shape has contacts with") {
+    using hulls = physics::world<asked<physics::dynamic_tree>>;
+    cell::dice dice(23);
+    const crowd<hulls> all(60, dice);
+    std::size_t compared = 0;
+    std::vector<vec> corners;
+    for (int i = 0; i < 8; ++i) corners.push_back(dice.vec<vec>(-0.6, 0.6));
+    const auto rock = hulls::hull_geometry::build(corners.data(), 8);
+    for (int i = 0; i < 120; ++i) {
+        hulls w = all.world;
+        auto settings = w.settings();
+        settings.gravity = {};
+        w.set_settings(settings);
+        vec where = dice.vec<vec>(-4, 4);
+        where.y = dice.real(0, 3);
+        const hulls::transform pose{where, random_rotation(dice)};
+        const auto check_shape = [&](const auto& shape) {
+            std::vector<hulls::shape_contact> found;
+            w.collide_shape(shape, pose, settings.contact_margin, {}, [&](const auto& c) { found.push_back(c); });
+            const body_id b = w.create_body({.position = pose.position, .rotation = pose.rotation});
+            w.create_shape(b, shape);
+            w.step(S(1.0 / 65536));
+            std::size_t k = 0;
+            for (const auto& c : w.contacts(b)) {
+                REQUIRE(k < found.size());
+                const auto& mine = found[k++];
+                CHECK(mine.body == c.other(b));
+                CHECK(gap(mine.normal, c.normal_on(b)) <= rounding(64));
+                REQUIRE(mine.count == c.count);
+                for (int j = 0; j < c.count; ++j) {
+                    CHECK(gap(mine.points[j].separation, c.points[j].separation) <= rounding(256, 8));
+                    CHECK(gap(mine.points[j].position, c.points[j].position) <= 0.01);
+                }
+            }
+            CHECK(k == found.size());
+            compared += k;
+        };
+        if (i % 4 == 0) check_shape(hulls::ball{S(1)});
+        else if (i % 4 == 1) check_shape(hulls::capsule{S(0.5), S(0.5)});
+        else if (i % 4 == 2) check_shape(hulls::box{vec::filled(S(0.75))});
+        else check_shape(rock.shape(S(0.25)));
+    }
+    CHECK(compared > 80);
+}
+
 CELL_CASE("world queries: what is bad is refused by name") {
     if constexpr (!cell::is_fixed) {
         world w;
@@ -217,6 +262,12 @@ CELL_CASE("world queries: what is bad is refused by name") {
              "physics: cast_ray: translation.x is nan; it must be finite");
         says([&] { (void)w.cast_shape(world::ball{S(-1)}, {}, at(0, 1)); },
              "physics: cast_shape: radius is -1; it must be greater than 0");
+        const auto collide = [&](const world::ball& ball, S margin) {
+            w.collide_shape(ball, {}, margin, {}, [](const auto&) {});
+        };
+        says([&] { collide(world::ball{S(-1)}, S(0)); },
+             "physics: collide_shape: radius is -1; it must be greater than 0");
+        says([&] { collide(world::ball{}, S(-1)); }, "physics: collide_shape: margin is -1; it must not be negative");
         says([&] { (void)w.closest_shape(at(0, 0), S(-1)); },
              "physics: closest_shape: reach is -1; it must not be negative");
     }

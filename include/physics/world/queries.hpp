@@ -42,6 +42,33 @@ struct closest_hit {
     explicit operator bool() const { return static_cast<bool>(shape); }
 };
 
+/// A contact that a shape would have with one of a world's, or with a part of that.
+template <class S, int D>
+struct shape_contact {
+    struct point {
+        /// Halfway between the surfaces (m).
+        vec<S, D> position;
+        /// Distance of the surfaces along the normal (m); negative is the depth of their overlap.
+        S separation;
+    };
+
+    shape_id shape;
+    body_id body;
+    /// Which part of a concave shape; 0 of convex ones.
+    std::uint32_t part;
+    /// Unit vector out of the world's shape.
+    vec<S, D> normal;
+    point points[manifold<S, D>::capacity];
+    int count;
+
+    /// That of the point which is deepest.
+    [[nodiscard]] S separation() const {
+        S deepest = points[0].separation;
+        for (int k = 1; k < count; ++k) deepest = min(deepest, points[k].separation);
+        return deepest;
+    }
+};
+
 namespace detail {
 
 /// A point, as a shape to ask with.
@@ -193,6 +220,43 @@ void each_overlapping(const state<Plan>& s, const char* f, const Shape& shape,
         const shape_id id{static_cast<std::uint32_t>(sorted[k]), static_cast<std::uint16_t>(sorted[k] >> 32), tag};
         if (s.shapes.contains(id.index, id.generation) && !go_on(visit, id)) return;
     }
+}
+
+/// Finds the contacts that a shape would have at a pose within a margin, in ascending order of shapes and parts.
+template <class Plan>
+void collide_shape(const state<Plan>& s, const typename Plan::shape& shape,
+                   const transform<typename Plan::scalar, Plan::dimension>& pose, typename Plan::scalar margin,
+                   const query_filter& filter, buffer<shape_contact<typename Plan::scalar, Plan::dimension>>& to) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const char* f = "collide_shape";
+    if (!check_pose(f, pose.position, pose.rotation) || !check_not_negative(f, "margin", margin) ||
+        !check_filter(s, f, filter))
+        return;
+    const auto box = grown(bounds(shape, pose), margin);
+    if (!check_extent(f, box)) return;
+    manifold_list<S, D> found;
+    each_near(s, box, filter, [&](std::uint32_t i) {
+        const auto& other = s.shapes[i];
+        // The narrowphase wants the shape of the lower kind first.
+        const bool is_first = other.shape.kind() <= shape.kind();
+        const auto &a = is_first ? other.shape : shape, &b = is_first ? shape : other.shape;
+        const auto &at_a = is_first ? other.pose : pose, &at_b = is_first ? pose : other.pose;
+        const typename Plan::query query{&a, &b, relative(at_a, at_b)};
+        found.clear();
+        if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, margin, nullptr, found);
+        else Plan::narrowphase::collide(&query, 1, margin, found);
+        for (const auto& [number, part, m] : found) {
+            const vec<S, D> normal = at_a.rotation * m.normal;
+            shape_contact<S, D> c{
+                id_of_shape(s, i), body_of_shape(s, i), part, is_first ? normal : -normal, {}, m.count};
+            for (int k = 0; k < m.count; ++k) c.points[k] = {at_a * m.points[k].position, m.points[k].separation};
+            to.push_back(c);
+        }
+    });
+    sort_in_place(to.begin(), to.size(), [](const auto& x, const auto& y) {
+        return x.shape.index != y.shape.index ? x.shape.index < y.shape.index : x.part < y.part;
+    });
 }
 
 /// All within a distance of a point, as far as numbers go.

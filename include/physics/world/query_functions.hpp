@@ -45,6 +45,24 @@ public:
         if (detail::check_finite("each_at", "point", point))
             detail::each_overlapping(state(), "each_at", detail::point_shape<S, D>{}, {point, {}}, filter, visit);
     }
+    /// Calls visit(shape_contact) for the contacts that a shape of the recipe's set would have at that pose: with all
+    /// that is no farther than the margin (m), in ascending order of shapes' numbers and of their parts. Where visit
+    /// returns a bool, false ends the query. Cost: that of their narrowphase.
+    template <class Shape, class Visit>
+    void collide_shape(const Shape& shape, const transform<S, D>& pose, S margin, const query_filter& filter,
+                       Visit&& visit) const {
+        if (!detail::scoped([&] { return check(shape, "collide_shape"); })) return;
+        typename Plan::shape any;
+        any = shape;
+        buffer<shape_contact<S, D>> found;
+        detail::world_code<Plan>::collide_shape(state(), any, pose, margin, filter, found);
+        const std::uint16_t tag = state().tag;
+        for (const auto& c : found) {
+            // Another world may have taken its place.
+            if (state().tag != tag) return;
+            if (state().shapes.contains(c.shape.index, c.shape.generation) && !detail::go_on(visit, c)) return;
+        }
+    }
     /// The shape closest to a point, none farther than `reach` (m).
     [[nodiscard]] closest_hit<S, D> closest_shape(vec<S, D> point, S reach, const query_filter& filter = {}) const {
         return detail::world_code<Plan>::closest_shape(state(), point, reach, filter);

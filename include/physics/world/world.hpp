@@ -49,6 +49,7 @@ public:
     using any_shape = typename plan::shape;
     using world_hit = physics::world_hit<scalar, dimension>;
     using closest_hit = physics::closest_hit<scalar, dimension>;
+    using shape_contact = physics::shape_contact<scalar, dimension>;
     using of_joints::contains, of_joints::user_data, of_joints::set_user_data;
 
     /// An empty world. Refuses settings out of range, and a build whose arithmetic would not give the same

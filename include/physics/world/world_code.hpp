@@ -59,6 +59,8 @@ struct world_code {
     static hit cast_ray(const state& s, vec origin, vec translation, const query_filter& filter);
     static void find_hits(const state& s, vec origin, vec translation, const query_filter& filter, hits& to);
     static closest closest_shape(const state& s, vec point, S reach, const query_filter& filter);
+    static void collide_shape(const state& s, const typename Plan::shape& shape, const transform& pose, S margin,
+                              const query_filter& filter, buffer<shape_contact<S, D>>& to);
 };
 
 template <class Plan>
@@ -187,6 +189,11 @@ void world_code<Plan>::find_hits(const state& s, vec origin, vec translation, co
 template <class Plan>
 auto world_code<Plan>::closest_shape(const state& s, vec point, S reach, const query_filter& filter) -> closest {
     return scoped([&] { return detail::closest_shape(s, point, reach, filter); });
+}
+template <class Plan>
+void world_code<Plan>::collide_shape(const state& s, const typename Plan::shape& shape, const transform& pose, S margin,
+                                     const query_filter& filter, buffer<shape_contact<S, D>>& to) {
+    scoped([&] { detail::collide_shape(s, shape, pose, margin, filter, to); });
 }
 
 /// Calls visit(hit) for shapes that a ray meets, the first ones first; visit may change the world. What it has
