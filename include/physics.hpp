@@ -357,6 +357,9 @@
 // From elapsed time to fixed steps.
 #include "physics/loop/accumulator.hpp"
 
+// What games build on a world.
+#include "physics/kit/character.hpp"
+
 // Threads: apart, as <thread> and <atomic> take longer to compile than all of the above.
 #if defined(PHYSICS_HPP_THREADS)
 #include "physics/base/thread_pool.hpp"

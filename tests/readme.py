@@ -25,6 +25,12 @@ BEFORE = {
     "struct ": "#include <physics.hpp>\n{block}",
     "physics::dynamic_tree": "#include <physics.hpp>\nvoid meet(std::uint32_t, std::uint32_t);\n"
     "void use() {{\n{block}\n(void)hit;\n}}\n",
+    "physics::character": "#include <physics.hpp>\n"
+    "struct crates : physics::recipe<float, 2> {{}};\n"
+    "using world = physics::world<crates>;\n"
+    "void draw(const world::transform&);\n"
+    "void frame(world& arena);\n"
+    "void frame(world& arena) {{\n{block}\n}}\n",
     "physics::accumulator": "#include <physics.hpp>\n"
     "struct crates : physics::recipe<float, 2> {{}};\n"
     "using world = physics::world<crates>;\n"
