@@ -306,7 +306,7 @@ CELL_CASE("casts: rays in the planes of faces, along edges, through corners, wit
         REQUIRE(grown.hit == meets_box);
         if (hit) REQUIRE(cell::near(grown.fraction, fraction, 1));
     }
-    CHECK(hits > cell::draws(1500));
+    CHECK(hits > cell::draws(1200));
     // Tangents.
     const auto meets = [](const auto& shape, reals from, reals displacement) {
         return cast_ray(shape, transform{}, from_reals(from), from_reals(displacement)).hit;
