@@ -239,7 +239,7 @@ CELL_CASE("world queries: a shape collides with what a body of that shape has co
         else if (i % 4 == 2) check_shape(hulls::box{vec::filled(S(0.75))});
         else check_shape(rock.shape(S(0.25)));
     }
-    CHECK(compared > 80);
+    CHECK(compared > 40);
 }
 
 CELL_CASE("world queries: what is bad is refused by name") {
