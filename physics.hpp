@@ -40025,6 +40025,8 @@ struct character_settings {
 template <class S, int D>
 bool check(const character_settings<S, D>& with, const char* function) {
     using namespace detail;
+    if (!(with.max_slope < pi<S> / S(2)))
+        return refuse(function, "max_slope", static_cast<double>(with.max_slope), "it must be below a right angle");
     return check_positive(function, "skin", with.skin) && check_positive(function, "max_slope", with.max_slope) &&
            check_not_negative(function, "step_height", with.step_height) &&
            check_not_negative(function, "snap_distance", with.snap_distance) &&
@@ -40047,8 +40049,8 @@ struct character_ground {
 /// for others to meet it, move a kinematic body along, and leave that out by the filter. Move it once a step, after
 /// world.step(). It takes its contacts from collide_shape, so that its shape must be of the recipe's set; a chain or a
 /// mesh that is one-sided stops it from the front alone. Errors: numbers that are not finite, settings out of range and
-/// an up of another length than 1 are refused, and it stays as it was. Cost of a move: 3 queries on flat ground, up to
-/// 20 at steps and in corners.
+/// an up of another length than 1 are refused, and it stays as it was. Cost of a move: 4 queries on flat ground, more
+/// at steps and in corners.
 template <class World, class Shape = typename World::capsule>
 class character {
     static constexpr int D = World::dimension;
@@ -40074,6 +40076,14 @@ public:
         rotation_ = shape.rotation;
         up_ = up;
         below_ = with.skin - dot(rotation_ * support(shape_, inverse_rotate(rotation_, -up_)), up_);
+        vec side;
+        for (int i = 0; i < D; ++i) {
+            vec axis;
+            axis[i] = S(1);
+            if (length(across(axis)) > length(side)) side = across(axis);
+        }
+        side = normalized(side);
+        half_width_ = dot(rotation_ * support(shape_, inverse_rotate(rotation_, side)), side);
         set_feet(feet);
     }
 
@@ -40101,7 +40111,7 @@ public:
     }
     /// What it stands on, if anything.
     [[nodiscard]] const ground_type& ground() const { return ground_; }
-    /// Whether it was still in something after the last move.
+    /// Whether the last move found no way out of what it is in.
     [[nodiscard]] bool is_stuck() const { return is_stuck_; }
     /// Leaves the ground with the next move, as fast as that above what it stands on (m/s).
     void jump(S speed) {
@@ -40280,7 +40290,8 @@ private:
     /// What it walks against gets as fast as it, if it is strong enough. What held that back in the last step it is
     /// taken to be held back by in the next one.
     void push(World& w, const typename World::world_hit& hit, const vec& aim, S dt) {
-        if (w.type(hit.body) != body_type::dynamic_body || !(settings_.strength > S(0))) return;
+        // Once a move: forces add up.
+        if (push_.body || w.type(hit.body) != body_type::dynamic_body || !(settings_.strength > S(0))) return;
         const vec direction = normalized(across(-hit.normal));
         const S mass = w.mass(hit.body).mass, speed = dot(w.linear_velocity(hit.body), direction);
         const S missing = dot(aim, direction) / dt - speed;
@@ -40294,9 +40305,10 @@ private:
 
     /// Up, on and down again, where that leads onto something that it can stand on.
     bool climb(const World& w, const vec& toward, S distance) {
-        const S tread = max(settings_.skin, S(0.075));
         if (!(settings_.step_height > S(0)) || !(largest(toward) > S(0))) return false;
         const vec direction = normalized(toward);
+        // How deep a tread must be.
+        const S tread = max(settings_.skin, half_width_ * S(0.25));
         typename World::world_hit hit;
         const S lift = free_way(w, position_, up_, settings_.step_height + settings_.skin, hit);
         const vec raised = position_ + up_ * lift;
@@ -40367,6 +40379,8 @@ private:
     ground_type ground_;
     /// How far its feet are below its origin.
     S below_{};
+    /// How far it reaches aside (m).
+    S half_width_{};
     S jump_{}, cos_max_{};
     /// How far steps have taken it ahead of where it would be by its speed (m).
     S ahead_{};

@@ -357,6 +357,9 @@ CELL_CASE("characters: bad numbers are refused by name, and it stays where it is
     physics::character_settings<S, D> settings;
     settings.strength = S(-1);
     refuses(l.w, "set_settings", "strength", "-1", [&] { h.set_settings(settings); });
+    settings.strength = S(1);
+    settings.max_slope = S(1.75);
+    refuses(l.w, "set_settings", "max_slope", "1.75", [&] { h.set_settings(settings); });
     settings = {};
     settings.skin = S(0);
     refuses(l.w, "character", "skin", "0",
