@@ -539,6 +539,19 @@ private:
     T value_{};
 };
 
+/// How many values of a list is_before(value) is true of, where those come first. O(log n).
+template <class T, class IsBefore>
+std::uint32_t count_before(const buffer<T>& in, IsBefore&& is_before) {
+    std::uint32_t at = 0;
+    for (std::uint32_t size = in.size(); size > 0;) {
+        const std::uint32_t half = size / 2;
+        const bool before = is_before(in[at + half]);
+        at += before ? half + 1 : 0;
+        size = before ? size - half - 1 : half;
+    }
+    return at;
+}
+
 /// A T that lasts for a step: copies of it begin empty, and assigning leaves its memory as it is.
 template <class T>
 struct step_scratch : T {
@@ -23526,13 +23539,7 @@ template <class S, int D, class Features>
 void inherit_impulses(const buffer<contact<S, D, Features>>& before, contact<S, D, Features>* first,
                       const contact<S, D, Features>* end, const detail::combined_material<S, Features>& surfaces = {}) {
     if (first == end) return;
-    std::uint32_t i = 0;
-    for (std::uint32_t size = before.size(); size > 0;) {
-        const std::uint32_t half = size / 2;
-        const bool is_before = before[i + half].key() < first->key();
-        i += is_before ? half + 1 : 0;
-        size = is_before ? size - half - 1 : half;
-    }
+    std::uint32_t i = detail::count_before(before, [&](const auto& c) { return c.key() < first->key(); });
     for (; first != end; ++first) {
         while (i < before.size() && before[i].key() < first->key()) ++i;
         if (i == before.size()) return;
@@ -31759,14 +31766,7 @@ public:
     [[nodiscard]] proxy_pair pair(std::uint32_t i) const { return pairs_[i]; }
     /// The first one that is not of an earlier pair.
     [[nodiscard]] std::uint32_t find(proxy_pair pair) const {
-        std::uint32_t i = 0;
-        for (std::uint32_t size = pairs_.size(); size > 0;) {
-            const std::uint32_t half = size / 2;
-            const bool is_before = pairs_[i + half] < pair;
-            i += is_before ? half + 1 : 0;
-            size = is_before ? size - half - 1 : half;
-        }
-        return i;
+        return count_before(pairs_, [&](proxy_pair p) { return p < pair; });
     }
     /// Writes an empty one.
     static void clear(memory& m) { kept::clear(m); }
@@ -33197,6 +33197,15 @@ proxy_pair in_order_of_kinds(const shape_pool<Plan>& shapes, proxy_pair p) {
     return shapes[p.a].shape.kind() > shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
 }
 
+/// The manifolds of one pair, of which nothing is remembered.
+template <class Plan>
+void collide_once(const typename Plan::query& query, typename Plan::scalar margin,
+                  manifold_list<typename Plan::scalar, Plan::dimension>& to) {
+    to.clear();
+    if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, margin, nullptr, to);
+    else Plan::narrowphase::collide(&query, 1, margin, to);
+}
+
 /// Some pairs in a row with what the narrowphase is to know of them: a query of each, and what the last step remembered
 /// of those that it cares to remember.
 template <class Plan>
@@ -34341,9 +34350,7 @@ private:
         (in_.awake.has(c.bodies.body_a) ? at_a : at_b).position += shift;
         const typename Plan::query query{&a.shape, &b.shape, relative(at_a, at_b)};
         auto& found = manifolds_;
-        found.clear();
-        if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, S(0), nullptr, found);
-        else Plan::narrowphase::collide(&query, 1, S(0), found);
+        collide_once<Plan>(query, S(0), found);
         for (const auto& [number, part, m] : found)
             for (int k = 0; k < m.count; ++k)
                 if (m.points[k].separation < S(0)) return true;
@@ -34413,16 +34420,9 @@ inline const buffer<proxy_pair>& without_sensors(const buffer<proxy_pair>& pairs
 /// Of a sensor and a visitor.
 template <class Plan>
 sensor_event sensor_event_of(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes, proxy_pair p) {
-    const std::uint32_t a = shapes[p.a].body, b = shapes[p.b].body;
-    return {{p.a, shapes.generation(p.a), 0},
-            {p.b, shapes.generation(p.b), 0},
-            {a, bodies.generation(a), 0},
-            {b, bodies.generation(b), 0},
-            shapes[p.a].user_data,
-            shapes[p.b].user_data,
-            bodies[a].user_data,
-            bodies[b].user_data,
-            false};
+    const auto e = event_of<contact_event, Plan>(bodies, shapes, p);
+    return {e.shape_a,      e.shape_b,     e.body_a,      e.body_b, e.shape_data_a,
+            e.shape_data_b, e.body_data_a, e.body_data_b, false};
 }
 /// Forgets what is in sensors, or in which sensors something is, of shapes for which gone(shape) is true.
 template <class Plan, class Gone>
@@ -34438,18 +34438,6 @@ void drop_visitors(const pool<typename Plan::body>& bodies, const shape_pool<Pla
         sensors.dropped.back().gone = true;
     }
     sensors.inside.resize(kept);
-}
-
-/// The first pair in an ascending list that is not before this one.
-inline std::uint32_t first_pair(const buffer<proxy_pair>& in, proxy_pair pair) {
-    std::uint32_t at = 0;
-    for (std::uint32_t size = in.size(); size > 0;) {
-        const std::uint32_t half = size / 2;
-        const bool is_before = in[at + half] < pair;
-        at += is_before ? half + 1 : 0;
-        size = is_before ? size - half - 1 : half;
-    }
-    return at;
 }
 
 /// What the sensors of a world see.
@@ -34523,9 +34511,7 @@ private:
         const auto& a = in_.shapes[p.a];
         const auto& b = in_.shapes[p.b];
         const typename Plan::query query{&a.shape, &b.shape, relative(a.pose, b.pose)};
-        manifolds_.clear();
-        if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, S(0), nullptr, manifolds_);
-        else Plan::narrowphase::collide(&query, 1, S(0), manifolds_);
+        collide_once<Plan>(query, S(0), manifolds_);
         for (const auto& [number, part, m] : manifolds_)
             for (int k = 0; k < m.count; ++k)
                 if (!(m.points[k].separation > S(0))) return true;
@@ -36860,14 +36846,7 @@ contact_view<S, D> no_contact() {
 /// The first contact in a list that is not before a pair.
 template <class Contact>
 std::uint32_t first_contact(const buffer<Contact>& in, proxy_pair pair) {
-    std::uint32_t at = 0;
-    for (std::uint32_t size = in.size(); size > 0;) {
-        const std::uint32_t half = size / 2;
-        const bool is_before = in[at + half].key() < pair;
-        at += is_before ? half + 1 : 0;
-        size = is_before ? size - half - 1 : half;
-    }
-    return at;
+    return count_before(in, [&](const Contact& c) { return c.key() < pair; });
 }
 
 /// The contacts of a world's last step, in ascending order of their shapes' numbers; those of sleepers as they were
@@ -38151,9 +38130,7 @@ void collide_shape(const state<Plan>& s, const typename Plan::shape& shape,
         const auto &a = is_first ? other.shape : shape, &b = is_first ? shape : other.shape;
         const auto &at_a = is_first ? other.pose : pose, &at_b = is_first ? pose : other.pose;
         const typename Plan::query query{&a, &b, relative(at_a, at_b)};
-        found.clear();
-        if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, margin, nullptr, found);
-        else Plan::narrowphase::collide(&query, 1, margin, found);
+        collide_once<Plan>(query, margin, found);
         for (const auto& [number, part, m] : found) {
             const vec<S, D> normal = at_a.rotation * m.normal;
             shape_contact<S, D> c{
@@ -38522,8 +38499,8 @@ public:
         small_list found;
         const auto& s = data();
         const auto& inside = s.sensors.inside;
-        for (std::uint32_t i = detail::first_pair(inside, {at.index, 0}); i < inside.size() && inside[i].a == at.index;
-             ++i)
+        for (std::uint32_t i = detail::count_before(inside, [&](const proxy_pair& p) { return p.a < at.index; });
+             i < inside.size() && inside[i].a == at.index; ++i)
             found.push_back({inside[i].b, s.shapes.generation(inside[i].b), s.tag});
         for (const shape_id visitor : found)
             if (visitor.world == data().tag && s.shapes.contains(visitor.index, visitor.generation)) visit(visitor);

@@ -147,6 +147,19 @@ private:
     T value_{};
 };
 
+/// How many values of a list is_before(value) is true of, where those come first. O(log n).
+template <class T, class IsBefore>
+std::uint32_t count_before(const buffer<T>& in, IsBefore&& is_before) {
+    std::uint32_t at = 0;
+    for (std::uint32_t size = in.size(); size > 0;) {
+        const std::uint32_t half = size / 2;
+        const bool before = is_before(in[at + half]);
+        at += before ? half + 1 : 0;
+        size = before ? size - half - 1 : half;
+    }
+    return at;
+}
+
 /// A T that lasts for a step: copies of it begin empty, and assigning leaves its memory as it is.
 template <class T>
 struct step_scratch : T {

@@ -234,13 +234,7 @@ template <class S, int D, class Features>
 void inherit_impulses(const buffer<contact<S, D, Features>>& before, contact<S, D, Features>* first,
                       const contact<S, D, Features>* end, const detail::combined_material<S, Features>& surfaces = {}) {
     if (first == end) return;
-    std::uint32_t i = 0;
-    for (std::uint32_t size = before.size(); size > 0;) {
-        const std::uint32_t half = size / 2;
-        const bool is_before = before[i + half].key() < first->key();
-        i += is_before ? half + 1 : 0;
-        size = is_before ? size - half - 1 : half;
-    }
+    std::uint32_t i = detail::count_before(before, [&](const auto& c) { return c.key() < first->key(); });
     for (; first != end; ++first) {
         while (i < before.size() && before[i].key() < first->key()) ++i;
         if (i == before.size()) return;

@@ -31,6 +31,15 @@ proxy_pair in_order_of_kinds(const shape_pool<Plan>& shapes, proxy_pair p) {
     return shapes[p.a].shape.kind() > shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
 }
 
+/// The manifolds of one pair, of which nothing is remembered.
+template <class Plan>
+void collide_once(const typename Plan::query& query, typename Plan::scalar margin,
+                  manifold_list<typename Plan::scalar, Plan::dimension>& to) {
+    to.clear();
+    if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, margin, nullptr, to);
+    else Plan::narrowphase::collide(&query, 1, margin, to);
+}
+
 /// Some pairs in a row with what the narrowphase is to know of them: a query of each, and what the last step remembered
 /// of those that it cares to remember.
 template <class Plan>

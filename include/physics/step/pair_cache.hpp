@@ -24,14 +24,7 @@ public:
     [[nodiscard]] proxy_pair pair(std::uint32_t i) const { return pairs_[i]; }
     /// The first one that is not of an earlier pair.
     [[nodiscard]] std::uint32_t find(proxy_pair pair) const {
-        std::uint32_t i = 0;
-        for (std::uint32_t size = pairs_.size(); size > 0;) {
-            const std::uint32_t half = size / 2;
-            const bool is_before = pairs_[i + half] < pair;
-            i += is_before ? half + 1 : 0;
-            size = is_before ? size - half - 1 : half;
-        }
-        return i;
+        return count_before(pairs_, [&](proxy_pair p) { return p < pair; });
     }
     /// Writes an empty one.
     static void clear(memory& m) { kept::clear(m); }

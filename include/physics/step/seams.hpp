@@ -124,9 +124,7 @@ private:
         (in_.awake.has(c.bodies.body_a) ? at_a : at_b).position += shift;
         const typename Plan::query query{&a.shape, &b.shape, relative(at_a, at_b)};
         auto& found = manifolds_;
-        found.clear();
-        if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, S(0), nullptr, found);
-        else Plan::narrowphase::collide(&query, 1, S(0), found);
+        collide_once<Plan>(query, S(0), found);
         for (const auto& [number, part, m] : found)
             for (int k = 0; k < m.count; ++k)
                 if (m.points[k].separation < S(0)) return true;

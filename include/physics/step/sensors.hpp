@@ -43,16 +43,9 @@ inline const buffer<proxy_pair>& without_sensors(const buffer<proxy_pair>& pairs
 /// Of a sensor and a visitor.
 template <class Plan>
 sensor_event sensor_event_of(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes, proxy_pair p) {
-    const std::uint32_t a = shapes[p.a].body, b = shapes[p.b].body;
-    return {{p.a, shapes.generation(p.a), 0},
-            {p.b, shapes.generation(p.b), 0},
-            {a, bodies.generation(a), 0},
-            {b, bodies.generation(b), 0},
-            shapes[p.a].user_data,
-            shapes[p.b].user_data,
-            bodies[a].user_data,
-            bodies[b].user_data,
-            false};
+    const auto e = event_of<contact_event, Plan>(bodies, shapes, p);
+    return {e.shape_a,      e.shape_b,     e.body_a,      e.body_b, e.shape_data_a,
+            e.shape_data_b, e.body_data_a, e.body_data_b, false};
 }
 /// Forgets what is in sensors, or in which sensors something is, of shapes for which gone(shape) is true.
 template <class Plan, class Gone>
@@ -68,18 +61,6 @@ void drop_visitors(const pool<typename Plan::body>& bodies, const shape_pool<Pla
         sensors.dropped.back().gone = true;
     }
     sensors.inside.resize(kept);
-}
-
-/// The first pair in an ascending list that is not before this one.
-inline std::uint32_t first_pair(const buffer<proxy_pair>& in, proxy_pair pair) {
-    std::uint32_t at = 0;
-    for (std::uint32_t size = in.size(); size > 0;) {
-        const std::uint32_t half = size / 2;
-        const bool is_before = in[at + half] < pair;
-        at += is_before ? half + 1 : 0;
-        size = is_before ? size - half - 1 : half;
-    }
-    return at;
 }
 
 /// What the sensors of a world see.
@@ -153,9 +134,7 @@ private:
         const auto& a = in_.shapes[p.a];
         const auto& b = in_.shapes[p.b];
         const typename Plan::query query{&a.shape, &b.shape, relative(a.pose, b.pose)};
-        manifolds_.clear();
-        if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, S(0), nullptr, manifolds_);
-        else Plan::narrowphase::collide(&query, 1, S(0), manifolds_);
+        collide_once<Plan>(query, S(0), manifolds_);
         for (const auto& [number, part, m] : manifolds_)
             for (int k = 0; k < m.count; ++k)
                 if (!(m.points[k].separation > S(0))) return true;

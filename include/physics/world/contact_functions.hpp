@@ -72,8 +72,8 @@ public:
         small_list found;
         const auto& s = data();
         const auto& inside = s.sensors.inside;
-        for (std::uint32_t i = detail::first_pair(inside, {at.index, 0}); i < inside.size() && inside[i].a == at.index;
-             ++i)
+        for (std::uint32_t i = detail::count_before(inside, [&](const proxy_pair& p) { return p.a < at.index; });
+             i < inside.size() && inside[i].a == at.index; ++i)
             found.push_back({inside[i].b, s.shapes.generation(inside[i].b), s.tag});
         for (const shape_id visitor : found)
             if (visitor.world == data().tag && s.shapes.contains(visitor.index, visitor.generation)) visit(visitor);

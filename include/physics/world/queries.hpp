@@ -4,6 +4,7 @@
 #include "physics/base/small_buffer.hpp"
 #include "physics/base/sort.hpp"
 #include "physics/collide/part_queries.hpp"
+#include "physics/step/collide.hpp"
 #include "physics/step/nearby.hpp"
 #include "physics/world/check.hpp"
 
@@ -243,9 +244,7 @@ void collide_shape(const state<Plan>& s, const typename Plan::shape& shape,
         const auto &a = is_first ? other.shape : shape, &b = is_first ? shape : other.shape;
         const auto &at_a = is_first ? other.pose : pose, &at_b = is_first ? pose : other.pose;
         const typename Plan::query query{&a, &b, relative(at_a, at_b)};
-        found.clear();
-        if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, margin, nullptr, found);
-        else Plan::narrowphase::collide(&query, 1, margin, found);
+        collide_once<Plan>(query, margin, found);
         for (const auto& [number, part, m] : found) {
             const vec<S, D> normal = at_a.rotation * m.normal;
             shape_contact<S, D> c{

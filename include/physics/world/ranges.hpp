@@ -147,14 +147,7 @@ contact_view<S, D> no_contact() {
 /// The first contact in a list that is not before a pair.
 template <class Contact>
 std::uint32_t first_contact(const buffer<Contact>& in, proxy_pair pair) {
-    std::uint32_t at = 0;
-    for (std::uint32_t size = in.size(); size > 0;) {
-        const std::uint32_t half = size / 2;
-        const bool is_before = in[at + half].key() < pair;
-        at += is_before ? half + 1 : 0;
-        size = is_before ? size - half - 1 : half;
-    }
-    return at;
+    return count_before(in, [&](const Contact& c) { return c.key() < pair; });
 }
 
 /// The contacts of a world's last step, in ascending order of their shapes' numbers; those of sleepers as they were
