@@ -3852,6 +3852,8 @@ struct integrator {};
 struct continuous {};
 /// What a step tells of: events<...>.
 struct events {};
+/// Which contacts hold, and how: one_way_platforms.
+struct contact_rule {};
 /// Which features are left out: without<...>.
 struct features {};
 }  // namespace stage
@@ -4080,6 +4082,54 @@ private:
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/space/foreign.hpp
+// =================================================================================================
+// Vectors of other libraries: what they look like, so that none of them is included.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// How many components a type says that it has, in the manner of std::array or of Eigen; 0: it does not say.
+template <class V>
+constexpr int stated_size() {
+    if constexpr (requires { std::tuple_size<V>::value; }) return static_cast<int>(std::tuple_size<V>::value);
+    else if constexpr (requires { V::SizeAtCompileTime; }) return static_cast<int>(V::SizeAtCompileTime);
+    else return 0;
+}
+/// Members x, y (and z) and no more, as those of glm, raylib, SDL and ImGui have.
+template <class V, int D>
+concept has_xyz = requires(const V& v) {
+    {v.x + v.y};
+}
+&&requires(const V& v) { v.z; }
+== (D == 3) && !requires(const V& v) { v.w; };
+/// Components by index, as those of std::array and Eigen.
+template <class V, int D>
+concept has_indices = !has_xyz<V, D> && stated_size<V>() == D && requires(const V& v) {
+    {v[0] + v[1]};
+};
+template <class V, int D>
+concept has_components = std::is_class_v<V> &&(has_xyz<V, D> || has_indices<V, D>);
+
+template <int I, class V, int D>
+constexpr auto component_of(const V& v) {
+    if constexpr (has_indices<V, D>) return v[I];
+    else if constexpr (I == 0) return v.x;
+    else if constexpr (I == 1) return v.y;
+    else return v.z;
+}
+/// Whether its components are an S as they are.
+template <class V, class S, int D>
+concept has_components_of = has_components<V, D> && requires(const V& v) {
+    { component_of<0, V, D>(v) } -> std::same_as<S>;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/space/vec.hpp
 // =================================================================================================
 // Vectors of two and three components, and their products.
@@ -4111,6 +4161,12 @@ struct vec<S, 2> {
     template <class A, class B>
         requires detail::literal_for<A, S> || detail::literal_for<B, S>
     constexpr vec(A x_, B y_) : x(detail::from_literal<S>(x_)), y(detail::from_literal<S>(y_)) {}
+    /// From a vector of another library, with members x and y, or two components by index.
+    template <class V>
+        requires(!std::same_as<V, vec>)
+    &&detail::has_components<V, 2> constexpr explicit(!detail::has_components_of<V, S, 2>) vec(const V& v)
+        : x(static_cast<S>(detail::component_of<0, V, 2>(v))),
+    y(static_cast<S>(detail::component_of<1, V, 2>(v))) {}
 
     static constexpr int size = 2;
     constexpr S& operator[](int i) { return i == 0 ? x : y; }
@@ -4166,6 +4222,12 @@ struct vec<S, 3> {
         requires detail::literal_for<A, S> || detail::literal_for<B, S> || detail::literal_for<C, S>
     constexpr vec(A x_, B y_, C z_)
         : x(detail::from_literal<S>(x_)), y(detail::from_literal<S>(y_)), z(detail::from_literal<S>(z_)) {}
+    /// From a vector of another library, with members x, y and z, or three components by index.
+    template <class V>
+        requires(!std::same_as<V, vec>)
+    &&detail::has_components<V, 3> constexpr explicit(!detail::has_components_of<V, S, 3>) vec(const V& v)
+        : x(static_cast<S>(detail::component_of<0, V, 3>(v))),
+    y(static_cast<S>(detail::component_of<1, V, 3>(v))), z(static_cast<S>(detail::component_of<2, V, 3>(v))) {}
 
     static constexpr int size = 3;
     constexpr S& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
@@ -4216,6 +4278,24 @@ constexpr vec<S, 3> operator/(vec<S, 3> a, std::type_identity_t<S> s) {
 template <class S, int D>
 constexpr vec<S, D> operator*(std::type_identity_t<S> s, vec<S, D> a) {
     return a * s;
+}
+
+/// A vector as one of another library: physics::to<glm::vec3>(world.position(body)).
+template <class V, class S, int D>
+    requires detail::has_components<V, D>
+constexpr V to(const vec<S, D>& v) {
+    V r{};
+    const auto set = [](auto& component, S x) { component = static_cast<std::remove_cvref_t<decltype(component)>>(x); };
+    if constexpr (detail::has_indices<V, D>) {
+        set(r[0], v.x);
+        set(r[1], v.y);
+        if constexpr (D == 3) set(r[2], v.z);
+    } else {
+        set(r.x, v.x);
+        set(r.y, v.y);
+        if constexpr (D == 3) set(r.z, v.z);
+    }
+    return r;
 }
 
 /// Angular quantities (velocity, impulse, torque): a scalar in 2D, counter-clockwise; a vector in 3D.
@@ -17805,6 +17885,9 @@ struct query_filter {
     bool sensors = false;
     /// Whether rays in a world meet shapes within which they begin.
     bool inside = true;
+    /// Whether casts of shapes and collide_shape in a world meet shapes that are one_way from their upper side only, as
+    /// bodies do; rays and overlaps meet them whole.
+    bool one_way = false;
 
     [[nodiscard]] constexpr bool sees(const proxy_filter& p) const {
         return (any_category || ((p.category & mask) != 0 && (category & p.mask) != 0)) && (kinds & p.kinds) != 0 &&
@@ -31217,248 +31300,6 @@ void list_awake(const pool<Body>& bodies, const Sleep& sleep, awake_list& to) {
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/step/contact_index.hpp
-// =================================================================================================
-// The contacts of each body.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// The contacts of each body: numbers in the list of those that can be pushed, and behind its end in that of sleepers.
-/// Follows from both lists, and is made when it is first asked for after they have changed. O(bodies + contacts).
-struct contact_index {
-    bool is_stale = true;
-
-    contact_index() = default;
-    contact_index(const contact_index&) {}
-    contact_index(contact_index&&) noexcept = default;
-    contact_index& operator=(const contact_index&) = delete;
-    contact_index& operator=(contact_index&&) noexcept = default;
-    ~contact_index() = default;
-
-    /// Calls f(number) for those of a body, in ascending order. Several threads may ask at once.
-    template <class Contact, class F>
-    void each(std::uint32_t bodies, const buffer<Contact>& awake, const buffer<Contact>* asleep, std::uint32_t body,
-              F&& f) {
-        update(bodies, awake, asleep);
-        // Bodies that have come since then have none.
-        if (body + 1 >= first_.size()) return;
-        for (std::uint32_t k = first_[body]; k < first_[body + 1]; ++k) f(numbers_[k]);
-    }
-
-private:
-    /// One thread at a time. Where the compiler has no such functions, worlds are asked by one thread only.
-    class lock {
-    public:
-        explicit lock(bool& taken) : taken_(taken) {
-#if defined(__GNUC__)
-            while (__atomic_test_and_set(&taken_, __ATOMIC_ACQUIRE)) {
-            }
-#endif
-        }
-        lock(const lock&) = delete;
-        lock& operator=(const lock&) = delete;
-        ~lock() {
-#if defined(__GNUC__)
-            __atomic_clear(&taken_, __ATOMIC_RELEASE);
-#endif
-        }
-
-    private:
-        bool& taken_;
-    };
-
-    template <class Contact>
-    void update(std::uint32_t bodies, const buffer<Contact>& awake, const buffer<Contact>* asleep) {
-        const lock one_at_a_time(taken_);
-        if (!is_stale) return;
-        const auto each_end = [&](auto&& f) {
-            std::uint32_t n = 0;
-            for (const buffer<Contact>* list : {&awake, asleep})
-                if (list != nullptr)
-                    for (const Contact& c : *list) {
-                        f(c.bodies.body_a, n);
-                        f(c.bodies.body_b, n);
-                        ++n;
-                    }
-        };
-        first_.clear();
-        first_.resize(bodies + 2);
-        numbers_.resize(2 * (awake.size() + (asleep != nullptr ? asleep->size() : 0)));
-        // Counts, their sums, and then each body's place, which moves to the next one's.
-        each_end([&](std::uint32_t body, std::uint32_t) { ++first_[body + 2]; });
-        for (std::uint32_t i = 2; i < first_.size(); ++i) first_[i] += first_[i - 1];
-        each_end([&](std::uint32_t body, std::uint32_t n) { numbers_[first_[body + 1]++] = n; });
-        is_stale = false;
-    }
-
-    buffer<std::uint32_t> first_, numbers_;
-    bool taken_ = false;
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/step/events.hpp
-// =================================================================================================
-// Events: what a step tells of contacts and sleep, where a recipe asks for it.
-
-PHYSICS_HPP_BEGIN
-
-/// Kinds of events that a recipe can ask for.
-namespace event {
-/// Shapes that begin and cease to touch.
-struct contact {};
-/// Shapes that hit each other.
-struct hit {};
-/// Shapes that come into sensors and leave them; only then can shapes be sensors.
-struct sensor {};
-/// Bodies that fall asleep and wake up.
-struct sleep {};
-}  // namespace event
-
-/// Which events a world tells of: events<event::contact, event::hit>. None by default; others cost nothing.
-template <class... Kinds>
-struct events {
-    using stage = physics::stage::events;
-
-private:
-    template <class Kind>
-    static constexpr bool has = (std::same_as<Kinds, Kind> || ...);
-    template <class Any, class... Known>
-    static constexpr bool is_one_of = (std::same_as<Any, Known> || ...);
-
-public:
-    static constexpr bool contacts = has<event::contact>;
-    static constexpr bool hits = has<event::hit>;
-    static constexpr bool sensors = has<event::sensor>;
-    static constexpr bool sleep = has<event::sleep>;
-    static constexpr bool known = (is_one_of<Kinds, event::contact, event::hit, event::sensor, event::sleep> && ...);
-};
-
-/// When events are told of.
-template <class S>
-struct event_settings {
-    /// Shapes that approach each other no faster do not hit each other (m/s, at least 0).
-    S hit_speed = S(1);
-};
-template <class S>
-bool check(const event_settings<S>& with, const char* function) {
-    return detail::check_not_negative(function, "events.hit_speed", with.hit_speed);
-}
-
-/// Two shapes that have begun to touch in the last step, or have ceased to. A is the shape of the lower number.
-struct contact_event {
-    shape_id shape_a, shape_b;
-    body_id body_a, body_b;
-    /// What users had given the shapes and their bodies.
-    std::uint64_t shape_data_a = 0, shape_data_b = 0, body_data_a = 0, body_data_b = 0;
-    /// True if one of the shapes has been destroyed.
-    bool gone = false;
-};
-
-/// Two shapes that have hit each other in the last step: at a point of their contact that bore nothing before they
-/// approached each other faster than settings().events.hit_speed. A is the shape of the lower number.
-template <class S, int D>
-struct hit_event {
-    shape_id shape_a, shape_b;
-    body_id body_a, body_b;
-    /// Where they approached each other fastest, as the step began (m), and the unit normal from A to B there.
-    vec<S, D> point, normal;
-    /// How fast they did (m/s), and what all points of the contact gave along their normals in the step (N s).
-    S approach_speed{}, impulse{};
-};
-
-/// A shape that has come into a sensor in the last step, or has left it.
-struct sensor_event {
-    shape_id sensor, visitor;
-    body_id sensor_body, visitor_body;
-    /// What users had given the shapes and their bodies.
-    std::uint64_t sensor_data = 0, visitor_data = 0, sensor_body_data = 0, visitor_body_data = 0;
-    /// True if one of the shapes has been destroyed.
-    bool gone = false;
-};
-
-namespace detail {
-
-struct no_event_settings {};
-inline bool check(const no_event_settings&, const char*) { return true; }
-
-/// What is to be told by the next step, and lasts until then.
-struct dropped_contacts {
-    /// Shapes that touched each other, and whose contacts went by what users did: as they were then.
-    buffer<contact_event> list;
-    PHYSICS_HPP_MEMBERS(list)
-};
-struct sleep_changes {
-    buffer<body_id> slept, woken;
-    PHYSICS_HPP_MEMBERS(slept, woken)
-};
-struct no_changes {};
-/// What lasts of sensors.
-struct sensor_state {
-    /// Of each shape, and how many are.
-    bit_array is_sensor;
-    reset_on_move<std::uint32_t> count;
-    /// Pairs of a sensor and what is in it, in ascending order.
-    buffer<proxy_pair> inside;
-    /// What left by being destroyed since the last step.
-    buffer<sensor_event> dropped;
-    PHYSICS_HPP_MEMBERS(is_sensor, count, inside, dropped)
-};
-
-/// What the last step told, and what that followed from.
-template <class S, int D>
-struct step_events {
-    buffer<contact_event> contact_begin, contact_end;
-    buffer<hit_event<S, D>> hits;
-    buffer<sensor_event> sensor_begin, sensor_end;
-    buffer<body_id> slept, woken;
-    /// Pairs that have begun to touch and not ceased to, with a body that can be pushed: those of the last step, in
-    /// ascending order, unless they have to be listed anew.
-    buffer<proxy_pair> touching, now_touching;
-    bool is_stale = true;
-    /// Pairs without sensors; pairs of sensors and what is in them.
-    buffer<proxy_pair> solid_pairs, overlaps, now_inside;
-
-    void forget() {
-        contact_begin.clear();
-        contact_end.clear();
-        hits.clear();
-        sensor_begin.clear();
-        sensor_end.clear();
-        slept.clear();
-        woken.clear();
-        is_stale = true;
-    }
-};
-struct no_events {
-    void forget() {}
-};
-template <class Plan>
-using step_events_of =
-    std::conditional_t<Plan::events::contacts || Plan::events::hits || Plan::events::sensors || Plan::events::sleep,
-                       step_events<typename Plan::scalar, Plan::dimension>, no_events>;
-
-/// Changes since the last step told of such -> what this one tells.
-template <class S, int D>
-void publish_sleep_changes(sleep_changes& changes, std::uint16_t tag, step_events<S, D>& to) {
-    to.slept.swap(changes.slept);
-    to.woken.swap(changes.woken);
-    changes.slept.clear();
-    changes.woken.clear();
-    for (auto* ids : {&to.slept, &to.woken})
-        for (body_id& id : *ids) id.world = tag;
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/step/joints.hpp
 // =================================================================================================
 // The joints of a world, and those of a step.
@@ -31739,6 +31580,248 @@ const buffer<proxy_pair>& without_connected(const buffer<proxy_pair>& pairs, con
     for (const proxy_pair& p : pairs)
         if (!joints.keep_apart(shapes[p.a].body, shapes[p.b].body)) found.pairs.push_back(p);
     return found.pairs;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/contact_index.hpp
+// =================================================================================================
+// The contacts of each body.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The contacts of each body: numbers in the list of those that can be pushed, and behind its end in that of sleepers.
+/// Follows from both lists, and is made when it is first asked for after they have changed. O(bodies + contacts).
+struct contact_index {
+    bool is_stale = true;
+
+    contact_index() = default;
+    contact_index(const contact_index&) {}
+    contact_index(contact_index&&) noexcept = default;
+    contact_index& operator=(const contact_index&) = delete;
+    contact_index& operator=(contact_index&&) noexcept = default;
+    ~contact_index() = default;
+
+    /// Calls f(number) for those of a body, in ascending order. Several threads may ask at once.
+    template <class Contact, class F>
+    void each(std::uint32_t bodies, const buffer<Contact>& awake, const buffer<Contact>* asleep, std::uint32_t body,
+              F&& f) {
+        update(bodies, awake, asleep);
+        // Bodies that have come since then have none.
+        if (body + 1 >= first_.size()) return;
+        for (std::uint32_t k = first_[body]; k < first_[body + 1]; ++k) f(numbers_[k]);
+    }
+
+private:
+    /// One thread at a time. Where the compiler has no such functions, worlds are asked by one thread only.
+    class lock {
+    public:
+        explicit lock(bool& taken) : taken_(taken) {
+#if defined(__GNUC__)
+            while (__atomic_test_and_set(&taken_, __ATOMIC_ACQUIRE)) {
+            }
+#endif
+        }
+        lock(const lock&) = delete;
+        lock& operator=(const lock&) = delete;
+        ~lock() {
+#if defined(__GNUC__)
+            __atomic_clear(&taken_, __ATOMIC_RELEASE);
+#endif
+        }
+
+    private:
+        bool& taken_;
+    };
+
+    template <class Contact>
+    void update(std::uint32_t bodies, const buffer<Contact>& awake, const buffer<Contact>* asleep) {
+        const lock one_at_a_time(taken_);
+        if (!is_stale) return;
+        const auto each_end = [&](auto&& f) {
+            std::uint32_t n = 0;
+            for (const buffer<Contact>* list : {&awake, asleep})
+                if (list != nullptr)
+                    for (const Contact& c : *list) {
+                        f(c.bodies.body_a, n);
+                        f(c.bodies.body_b, n);
+                        ++n;
+                    }
+        };
+        first_.clear();
+        first_.resize(bodies + 2);
+        numbers_.resize(2 * (awake.size() + (asleep != nullptr ? asleep->size() : 0)));
+        // Counts, their sums, and then each body's place, which moves to the next one's.
+        each_end([&](std::uint32_t body, std::uint32_t) { ++first_[body + 2]; });
+        for (std::uint32_t i = 2; i < first_.size(); ++i) first_[i] += first_[i - 1];
+        each_end([&](std::uint32_t body, std::uint32_t n) { numbers_[first_[body + 1]++] = n; });
+        is_stale = false;
+    }
+
+    buffer<std::uint32_t> first_, numbers_;
+    bool taken_ = false;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/events.hpp
+// =================================================================================================
+// Events: what a step tells of contacts and sleep, where a recipe asks for it.
+
+PHYSICS_HPP_BEGIN
+
+/// Kinds of events that a recipe can ask for.
+namespace event {
+/// Shapes that begin and cease to touch.
+struct contact {};
+/// Shapes that hit each other.
+struct hit {};
+/// Shapes that come into sensors and leave them; only then can shapes be sensors.
+struct sensor {};
+/// Bodies that fall asleep and wake up.
+struct sleep {};
+}  // namespace event
+
+/// Which events a world tells of: events<event::contact, event::hit>. None by default; others cost nothing.
+template <class... Kinds>
+struct events {
+    using stage = physics::stage::events;
+
+private:
+    template <class Kind>
+    static constexpr bool has = (std::same_as<Kinds, Kind> || ...);
+    template <class Any, class... Known>
+    static constexpr bool is_one_of = (std::same_as<Any, Known> || ...);
+
+public:
+    static constexpr bool contacts = has<event::contact>;
+    static constexpr bool hits = has<event::hit>;
+    static constexpr bool sensors = has<event::sensor>;
+    static constexpr bool sleep = has<event::sleep>;
+    static constexpr bool known = (is_one_of<Kinds, event::contact, event::hit, event::sensor, event::sleep> && ...);
+};
+
+/// When events are told of.
+template <class S>
+struct event_settings {
+    /// Shapes that approach each other no faster do not hit each other (m/s, at least 0).
+    S hit_speed = S(1);
+};
+template <class S>
+bool check(const event_settings<S>& with, const char* function) {
+    return detail::check_not_negative(function, "events.hit_speed", with.hit_speed);
+}
+
+/// Two shapes that have begun to touch in the last step, or have ceased to. A is the shape of the lower number.
+struct contact_event {
+    shape_id shape_a, shape_b;
+    body_id body_a, body_b;
+    /// What users had given the shapes and their bodies.
+    std::uint64_t shape_data_a = 0, shape_data_b = 0, body_data_a = 0, body_data_b = 0;
+    /// True if one of the shapes has been destroyed.
+    bool gone = false;
+};
+
+/// Two shapes that have hit each other in the last step: at a point of their contact that bore nothing before they
+/// approached each other faster than settings().events.hit_speed. A is the shape of the lower number.
+template <class S, int D>
+struct hit_event {
+    shape_id shape_a, shape_b;
+    body_id body_a, body_b;
+    /// Where they approached each other fastest, as the step began (m), and the unit normal from A to B there.
+    vec<S, D> point, normal;
+    /// How fast they did (m/s), and what all points of the contact gave along their normals in the step (N s).
+    S approach_speed{}, impulse{};
+};
+
+/// A shape that has come into a sensor in the last step, or has left it.
+struct sensor_event {
+    shape_id sensor, visitor;
+    body_id sensor_body, visitor_body;
+    /// What users had given the shapes and their bodies.
+    std::uint64_t sensor_data = 0, visitor_data = 0, sensor_body_data = 0, visitor_body_data = 0;
+    /// True if one of the shapes has been destroyed.
+    bool gone = false;
+};
+
+namespace detail {
+
+struct no_event_settings {};
+inline bool check(const no_event_settings&, const char*) { return true; }
+
+/// What is to be told by the next step, and lasts until then.
+struct dropped_contacts {
+    /// Shapes that touched each other, and whose contacts went by what users did: as they were then.
+    buffer<contact_event> list;
+    PHYSICS_HPP_MEMBERS(list)
+};
+struct sleep_changes {
+    buffer<body_id> slept, woken;
+    PHYSICS_HPP_MEMBERS(slept, woken)
+};
+struct no_changes {};
+/// What lasts of sensors.
+struct sensor_state {
+    /// Of each shape, and how many are.
+    bit_array is_sensor;
+    reset_on_move<std::uint32_t> count;
+    /// Pairs of a sensor and what is in it, in ascending order.
+    buffer<proxy_pair> inside;
+    /// What left by being destroyed since the last step.
+    buffer<sensor_event> dropped;
+    PHYSICS_HPP_MEMBERS(is_sensor, count, inside, dropped)
+};
+
+/// What the last step told, and what that followed from.
+template <class S, int D>
+struct step_events {
+    buffer<contact_event> contact_begin, contact_end;
+    buffer<hit_event<S, D>> hits;
+    buffer<sensor_event> sensor_begin, sensor_end;
+    buffer<body_id> slept, woken;
+    /// Pairs that have begun to touch and not ceased to, with a body that can be pushed: those of the last step, in
+    /// ascending order, unless they have to be listed anew.
+    buffer<proxy_pair> touching, now_touching;
+    bool is_stale = true;
+    /// Pairs without sensors; pairs of sensors and what is in them.
+    buffer<proxy_pair> solid_pairs, overlaps, now_inside;
+
+    void forget() {
+        contact_begin.clear();
+        contact_end.clear();
+        hits.clear();
+        sensor_begin.clear();
+        sensor_end.clear();
+        slept.clear();
+        woken.clear();
+        is_stale = true;
+    }
+};
+struct no_events {
+    void forget() {}
+};
+template <class Plan>
+using step_events_of =
+    std::conditional_t<Plan::events::contacts || Plan::events::hits || Plan::events::sensors || Plan::events::sleep,
+                       step_events<typename Plan::scalar, Plan::dimension>, no_events>;
+
+/// Changes since the last step told of such -> what this one tells.
+template <class S, int D>
+void publish_sleep_changes(sleep_changes& changes, std::uint16_t tag, step_events<S, D>& to) {
+    to.slept.swap(changes.slept);
+    to.woken.swap(changes.woken);
+    changes.slept.clear();
+    changes.woken.clear();
+    for (auto* ids : {&to.slept, &to.woken})
+        for (body_id& id : *ids) id.world = tag;
 }
 
 }  // namespace detail
@@ -32073,6 +32156,37 @@ using step_joints_of =
     std::conditional_t<Plan::has_joints, step_joints<typename Plan::scalar, Plan::dimension, typename Plan::joints>,
                        no_step_joints>;
 
+/// Pairs of shapes that are near each other in a step, but let pass by the recipe's contact rule.
+template <bool HasRule, class S, int D>
+struct passing_list {
+    buffer<proxy_pair> pairs;
+    /// For rules that look again.
+    manifold_list<S, D> again;
+
+    void add(proxy_pair pair) { pairs.push_back(pair); }
+    void clear() { pairs.clear(); }
+    [[nodiscard]] bool has(proxy_pair pair) const {
+        const std::uint32_t i = count_before(pairs, [&](proxy_pair p) { return p < pair; });
+        return i < pairs.size() && pairs[i] == pair;
+    }
+    /// Takes over those of all workers.
+    void take(per_worker<passing_list>& by, std::uint32_t workers) {
+        pairs.clear();
+        for (std::uint32_t k = 0; k < workers; ++k) {
+            for (const proxy_pair pair : by[k].pairs) pairs.push_back(pair);
+            by[k].clear();
+        }
+        sort_in_place(pairs.begin(), pairs.size(), [](proxy_pair x, proxy_pair y) { return x < y; });
+    }
+};
+template <class S, int D>
+struct passing_list<false, S, D> {
+    void clear() {}
+    void take(per_worker<passing_list>&, std::uint32_t) {}
+};
+template <class Plan>
+using passing_pairs = passing_list<Plan::has_contact_rule, typename Plan::scalar, Plan::dimension>;
+
 /// Whether a step is under way.
 struct step_flag {
     bool on = false;
@@ -32088,6 +32202,7 @@ struct step_data {
     /// What the step finds, to become the state's.
     buffer<contact> new_contacts;
     [[no_unique_address]] combined_material<S, typename Plan::features> new_material;
+    [[no_unique_address]] passing_pairs<Plan> passing;
     detail::pair_cache_changes<Plan> pair_cache_changes;
     /// All that holds bodies together: of contacts, in their order, behind them of joints.
     buffer<edge> edges;
@@ -32106,6 +32221,7 @@ struct step_data {
     /// What each worker has found.
     per_worker<manifold_list<S, D>> manifolds;
     per_worker<buffer<contact>> contacts_by_worker;
+    per_worker<passing_pairs<Plan>> passing_by_worker;
     buffer<unsigned char> tasks_done;
 
     /// Contacts have gone from the list of those that can be pushed to that of sleepers, or back.
@@ -32125,75 +32241,6 @@ template <class Plan>
 edge_range joint_edges(const step_data<Plan>& d) {
     if constexpr (Plan::has_joints) return {d.edges.begin() + d.joints.begin[0], d.edges.end()};
     else return {};
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/step/depths.hpp
-// =================================================================================================
-// What the contacts of a step tell the sweeps: which bodies are near static ones, and how deep in them.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Forgets the last step's, of so many bodies that there may be.
-template <class Plan>
-void clear_depths([[maybe_unused]] std::uint32_t slots, [[maybe_unused]] sweep_data_of<Plan>& to) {
-    if constexpr (Plan::sweeps) {
-        for (const std::uint32_t i : to.deep) to.depths[i] = {};
-        to.deep.clear();
-        to.depths.resize(slots);
-        to.near_static.clear();
-        to.near_static.resize(slots);
-    }
-}
-/// Notes which of two bodies whose boxes overlap is near one that is not awake.
-template <class Plan>
-void note_near([[maybe_unused]] const awake_list& awake, [[maybe_unused]] const edge& of,
-               [[maybe_unused]] sweep_data_of<Plan>& to) {
-    if constexpr (Plan::sweeps) {
-        // Several workers may note the same body.
-        const auto note = [&](std::uint32_t i) {
-#if defined(__GNUC__)
-            __atomic_store_n(&to.near_static[i], true, __ATOMIC_RELAXED);
-#else
-            to.near_static[i] = true;
-#endif
-        };
-        if (!awake.has(of.body_a)) note(of.body_b);
-        if (!awake.has(of.body_b)) note(of.body_a);
-    }
-}
-/// Whether a contact with a body that is not awake is deep.
-template <class Plan, class Contact>
-bool is_deep([[maybe_unused]] const awake_list& awake, [[maybe_unused]] typename Plan::scalar margin,
-             [[maybe_unused]] const Contact& c) {
-    if constexpr (Plan::sweeps) {
-        if (awake.has(c.bodies.body_a) == awake.has(c.bodies.body_b)) return false;
-        for (int k = 0; k < c.count; ++k)
-            if (-c.points[k].separation > margin * typename Plan::scalar(0.125)) return true;
-    }
-    return false;
-}
-/// Notes how deep the body of such a contact is in a static one.
-template <class Plan, class Contact>
-void note_depth([[maybe_unused]] const pool<typename Plan::body>& bodies, [[maybe_unused]] const Contact& c,
-                [[maybe_unused]] sweep_data_of<Plan>& to) {
-    if constexpr (Plan::sweeps) {
-        typename Plan::scalar depth{};
-        for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
-        const auto [a, b] = c.bodies;
-        const auto note = [&](std::uint32_t i) {
-            to.depths[i] = max(to.depths[i], depth);
-            to.deep.push_back(i);
-        };
-        if (bodies[a].type == body_type::static_body) note(b);
-        if (bodies[b].type == body_type::static_body) note(a);
-    }
 }
 
 }  // namespace detail
@@ -32226,12 +32273,12 @@ struct shape_record {
     [[no_unique_address]] stored_material<S, D, typename Plan::features> material;
     S density{};
     collision_filter filter;
-    bool sensor = false;
+    bool sensor = false, one_way = false;
     std::uint32_t body = 0;
     /// The body's shape of the next lower number.
     std::uint32_t next = no_shape;
     std::uint64_t user_data = 0;
-    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, filter, sensor, body, next, user_data)
+    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, filter, sensor, one_way, body, next, user_data)
 };
 
 /// The shapes of a world. It is one of the owners of the geometry that its shapes are made of.
@@ -32516,6 +32563,281 @@ inline std::uint16_t next_world_tag() noexcept {
 #else
     return static_cast<std::uint16_t>(++count);
 #endif
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/contact_rule.hpp
+// =================================================================================================
+// Contact rules: a recipe's own word on which contacts hold, and by what coefficients.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The manifolds of one pair, of which nothing is remembered.
+template <class Plan>
+void collide_once(const typename Plan::query& query, typename Plan::scalar margin,
+                  manifold_list<typename Plan::scalar, Plan::dimension>& to) {
+    to.clear();
+    if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, margin, nullptr, to);
+    else Plan::narrowphase::collide(&query, 1, margin, to);
+}
+
+}  // namespace detail
+
+/// One of the two shapes of a contact_candidate.
+template <class S, int D>
+struct contact_side {
+    shape_id shape;
+    body_id body;
+    /// What users have given the shape and its body.
+    std::uint64_t shape_data = 0, body_data = 0;
+    body_type type = body_type::static_body;
+    /// Of the shape, as the step begins.
+    transform<S, D> pose;
+    bool one_way = false;
+};
+
+/// A contact that a step has found and not solved yet, as a contact rule sees it.
+template <class Plan>
+class contact_candidate {
+public:
+    using scalar = typename Plan::scalar;
+    static constexpr int dimension = Plan::dimension;
+    using vec = physics::vec<scalar, dimension>;
+    using side = contact_side<scalar, dimension>;
+    /// What it is told from.
+    struct context {
+        const pool<typename Plan::body>& bodies;
+        const detail::shape_pool<Plan>& shapes;
+        /// What held before, in ascending order of pairs.
+        const buffer<typename Plan::contact>& before;
+        scalar margin, h;
+        std::uint16_t tag;
+        /// To look again; null of sweeps, which see what is met.
+        manifold_list<scalar, dimension>* scratch = nullptr;
+    };
+
+    contact_candidate(const context& in, typename Plan::contact& c)
+        : in_(in), contact_(&c), a_(c.shape_a), b_(c.shape_b), normal_(c.normal) {
+        int deepest = 0;
+        for (int k = 1; k < c.count; ++k)
+            if (c.points[k].separation < c.points[deepest].separation) deepest = k;
+        separation_ = c.points[deepest].separation;
+        anchor_a_ = c.anchors(deepest).a;
+        anchor_b_ = c.anchors(deepest).b;
+    }
+    /// Of a body that would pass into another within the step.
+    contact_candidate(const context& in, std::uint32_t a, std::uint32_t b, vec normal, scalar separation)
+        : in_(in), a_(a), b_(b), normal_(normal), separation_(separation) {}
+
+    /// Both shapes, in no order.
+    [[nodiscard]] side a() const { return side_of(a_); }
+    [[nodiscard]] side b() const { return side_of(b_); }
+    /// Unit normal from A to B.
+    [[nodiscard]] vec normal() const { return normal_; }
+    /// Distance of the surfaces along it at the deepest point (m); negative where they overlap.
+    [[nodiscard]] scalar separation() const { return separation_; }
+    /// How fast they approach each other there as the step begins (m/s).
+    [[nodiscard]] scalar approach_speed() const {
+        return dot(normal_, velocity_of(a_, anchor_a_) - velocity_of(b_, anchor_b_));
+    }
+    /// Whether the shapes had a contact in the step before.
+    [[nodiscard]] bool is_persisted() const {
+        const proxy_pair pair = a_ < b_ ? proxy_pair{a_, b_} : proxy_pair{b_, a_};
+        const auto& list = in_.before;
+        const std::uint32_t i = detail::count_before(list, [&](const auto& c) { return c.key() < pair; });
+        return i < list.size() && list[i].key() == pair;
+    }
+    /// Calls f(normal, separation) for contacts that the shapes had a step ago, if they have moved since as they do now
+    /// at the deepest point. One query of the narrowphase.
+    template <class F>
+    void each_before(F&& f) const {
+        if (in_.scratch == nullptr) return;
+        const auto &a = in_.shapes[a_], &b = in_.shapes[b_];
+        const vec back = (velocity_of(a_, anchor_a_) - velocity_of(b_, anchor_b_)) * in_.h;
+        auto there = b.pose;
+        there.position += back;
+        const typename Plan::query query{&a.shape, &b.shape, relative(a.pose, there)};
+        detail::collide_once<Plan>(query, in_.margin + length(back), *in_.scratch);
+        for (const auto& [number, part, m] : *in_.scratch)
+            for (int k = 0; k < m.count; ++k) f(a.pose.rotation * m.normal, m.points[k].separation);
+    }
+    /// The step's length (s) and the world's contact margin (m).
+    [[nodiscard]] scalar step_length() const { return in_.h; }
+    [[nodiscard]] scalar contact_margin() const { return in_.margin; }
+
+    /// Coefficients of both surfaces together, for this step only; at least 0, else the step is refused.
+    void set_friction(scalar x) requires(Plan::features::materials&& Plan::features::friction) {
+        if (contact_) contact_->friction = x;
+    }
+    void set_restitution(scalar x) requires(Plan::features::materials&& Plan::features::restitution) {
+        if (contact_) contact_->restitution = x;
+    }
+
+private:
+    [[nodiscard]] side side_of(std::uint32_t i) const {
+        const auto& shape = in_.shapes[i];
+        const auto& body = in_.bodies[shape.body];
+        return {{i, in_.shapes.generation(i), in_.tag},
+                {shape.body, in_.bodies.generation(shape.body), in_.tag},
+                shape.user_data,
+                body.user_data,
+                body.type,
+                shape.pose,
+                shape.one_way};
+    }
+    [[nodiscard]] vec velocity_of(std::uint32_t shape, const vec& anchor) const {
+        return velocity_at(in_.bodies[in_.shapes[shape].body].velocity, anchor);
+    }
+
+    const context& in_;
+    /// None yet of what a sweep asks about.
+    typename Plan::contact* contact_ = nullptr;
+    std::uint32_t a_, b_;
+    vec normal_, anchor_a_, anchor_b_;
+    scalar separation_;
+};
+
+/// All contacts hold.
+struct no_contact_rule {
+    using stage = physics::stage::contact_rule;
+    template <class Candidate>
+    static constexpr bool accept(const Candidate&) {
+        return true;
+    }
+};
+
+/// Shapes that are one_way hold only what comes from their upper side, the y axis of their frame, and let all else
+/// pass: what has come in from below or from the side passes until it has left them. What they hold they hold until it
+/// leaves, however it is pressed. To drop through, change a filter for as long as it takes. Method: the normal of the
+/// contact and how deep it is when it is first seen, or was a step ago; no memory besides the contacts.
+struct one_way_platforms {
+    using stage = physics::stage::contact_rule;
+    template <class Candidate>
+    static bool accept(const Candidate& c) {
+        const auto a = c.a(), b = c.b();
+        return (!a.one_way || holds(c, a, c.normal())) && (!b.one_way || holds(c, b, -c.normal()));
+    }
+
+    /// Whether a normal out of a platform that stands so is one of its upper side.
+    template <class S, int D>
+    static bool is_above(const transform<S, D>& platform, const vec<S, D>& outwards) {
+        vec<S, D> up;
+        up.y = S(1);
+        return dot(outwards, platform.rotation * up) > S(1.0 / 8);
+    }
+    /// Whether what is so far from its surface has come from there.
+    template <class S>
+    static bool is_outside(S separation, S contact_margin) {
+        return separation > contact_margin * S(-1.0 / 4);
+    }
+
+private:
+    template <class Candidate, class Vec>
+    static bool holds(const Candidate& c, const typename Candidate::side& platform, const Vec& outwards) {
+        using S = typename Candidate::scalar;
+        if (!is_above(platform.pose, outwards)) return false;
+        if (c.is_persisted() || is_outside(c.separation(), c.contact_margin())) return true;
+        // What falls fast may be in it at once: it is looked at where it came from.
+        const S fallen = max(c.approach_speed(), S(0)) * c.step_length();
+        if (!is_outside(c.separation() + fallen, c.contact_margin())) return false;
+        const S side = dot(outwards, c.normal());
+        bool any = false, came_from_above = true;
+        c.each_before([&](const auto& normal, S separation) {
+            any = true;
+            came_from_above =
+                came_from_above && is_above(platform.pose, normal * side) && is_outside(separation, c.contact_margin());
+        });
+        return any && came_from_above;
+    }
+};
+
+namespace detail {
+
+template <class Plan>
+bool accepts(contact_candidate<Plan>& c) {
+    constexpr bool known = requires {
+        { Plan::contact_rule::accept(c) } -> std::same_as<bool>;
+    };
+    static_assert(known,
+                  "physics::recipe: the contact rule has no static accept(candidate) that answers a bool; see "
+                  "contact_candidate");
+    if constexpr (known) return Plan::contact_rule::accept(c);
+    else return true;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/depths.hpp
+// =================================================================================================
+// What the contacts of a step tell the sweeps: which bodies are near static ones, and how deep in them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Forgets the last step's, of so many bodies that there may be.
+template <class Plan>
+void clear_depths([[maybe_unused]] std::uint32_t slots, [[maybe_unused]] sweep_data_of<Plan>& to) {
+    if constexpr (Plan::sweeps) {
+        for (const std::uint32_t i : to.deep) to.depths[i] = {};
+        to.deep.clear();
+        to.depths.resize(slots);
+        to.near_static.clear();
+        to.near_static.resize(slots);
+    }
+}
+/// Notes which of two bodies whose boxes overlap is near one that is not awake.
+template <class Plan>
+void note_near([[maybe_unused]] const awake_list& awake, [[maybe_unused]] const edge& of,
+               [[maybe_unused]] sweep_data_of<Plan>& to) {
+    if constexpr (Plan::sweeps) {
+        // Several workers may note the same body.
+        const auto note = [&](std::uint32_t i) {
+#if defined(__GNUC__)
+            __atomic_store_n(&to.near_static[i], true, __ATOMIC_RELAXED);
+#else
+            to.near_static[i] = true;
+#endif
+        };
+        if (!awake.has(of.body_a)) note(of.body_b);
+        if (!awake.has(of.body_b)) note(of.body_a);
+    }
+}
+/// Whether a contact with a body that is not awake is deep.
+template <class Plan, class Contact>
+bool is_deep([[maybe_unused]] const awake_list& awake, [[maybe_unused]] typename Plan::scalar margin,
+             [[maybe_unused]] const Contact& c) {
+    if constexpr (Plan::sweeps) {
+        if (awake.has(c.bodies.body_a) == awake.has(c.bodies.body_b)) return false;
+        for (int k = 0; k < c.count; ++k)
+            if (-c.points[k].separation > margin * typename Plan::scalar(0.125)) return true;
+    }
+    return false;
+}
+/// Notes how deep the body of such a contact is in a static one.
+template <class Plan, class Contact>
+void note_depth([[maybe_unused]] const pool<typename Plan::body>& bodies, [[maybe_unused]] const Contact& c,
+                [[maybe_unused]] sweep_data_of<Plan>& to) {
+    if constexpr (Plan::sweeps) {
+        typename Plan::scalar depth{};
+        for (int k = 0; k < c.count; ++k) depth = max(depth, -c.points[k].separation);
+        const auto [a, b] = c.bodies;
+        const auto note = [&](std::uint32_t i) {
+            to.depths[i] = max(to.depths[i], depth);
+            to.deep.push_back(i);
+        };
+        if (bodies[a].type == body_type::static_body) note(b);
+        if (bodies[b].type == body_type::static_body) note(a);
+    }
 }
 
 }  // namespace detail
@@ -33189,21 +33511,13 @@ struct collide_input {
     const combined_material<S, typename Plan::features>& material;
     S margin, h;
     std::uint64_t steps;
+    std::uint16_t tag;
 };
 
 /// The narrowphase wants the shape of the lower kind first.
 template <class Plan>
 proxy_pair in_order_of_kinds(const shape_pool<Plan>& shapes, proxy_pair p) {
     return shapes[p.a].shape.kind() > shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
-}
-
-/// The manifolds of one pair, of which nothing is remembered.
-template <class Plan>
-void collide_once(const typename Plan::query& query, typename Plan::scalar margin,
-                  manifold_list<typename Plan::scalar, Plan::dimension>& to) {
-    to.clear();
-    if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, margin, nullptr, to);
-    else Plan::narrowphase::collide(&query, 1, margin, to);
 }
 
 /// Some pairs in a row with what the narrowphase is to know of them: a query of each, and what the last step remembered
@@ -33277,18 +33591,22 @@ PHYSICS_HPP_NOINLINE void set_belt_velocity(typename Plan::contact& c, const sha
         relative_surface_velocity(tangents<typename Plan::scalar, Plan::dimension>(c.normal), a.pose.rotation,
                                   a.material.surface_velocity, b.pose.rotation, b.material.surface_velocity);
 }
+template <class S>
+bool is_valid_coefficient(S x) {
+    return x >= S(0) && is_finite(x);
+}
 /// Writes down the coefficients of two materials together; false if the recipe's rule gives what no solver takes.
 template <class Plan, class Coefficients>
 bool combine_materials(Coefficients& c, const material<typename Plan::scalar, Plan::dimension>& of_a,
                        const material<typename Plan::scalar, Plan::dimension>& of_b) {
     using S = typename Plan::scalar;
     using features = typename Plan::features;
-    const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
     bool good = true;
-    if constexpr (features::friction) good = is_good(c.friction = Plan::mixing::friction(of_a, of_b));
-    if constexpr (features::restitution) good = is_good(c.restitution = Plan::mixing::restitution(of_a, of_b)) && good;
+    if constexpr (features::friction) good = is_valid_coefficient<S>(c.friction = Plan::mixing::friction(of_a, of_b));
+    if constexpr (features::restitution)
+        good = is_valid_coefficient<S>(c.restitution = Plan::mixing::restitution(of_a, of_b)) && good;
     if constexpr (features::rolling_resistance)
-        good = is_good(c.rolling_resistance = Plan::mixing::rolling_resistance(of_a, of_b)) && good;
+        good = is_valid_coefficient<S>(c.rolling_resistance = Plan::mixing::rolling_resistance(of_a, of_b)) && good;
     return good;
 }
 /// What both surfaces make of a contact of A and B, unless that is the same for all.
@@ -33321,6 +33639,17 @@ bool combine_common_materials([[maybe_unused]] const typename Plan::settings& se
     }
 }
 
+/// Whether a contact rule has left coefficients that solvers take.
+template <class Plan>
+bool has_valid_coefficients([[maybe_unused]] const typename Plan::contact& c) {
+    using S = typename Plan::scalar;
+    bool good = true;
+    if constexpr (Plan::features::materials && Plan::features::friction) good = is_valid_coefficient<S>(c.friction);
+    if constexpr (Plan::features::materials && Plan::features::restitution)
+        good = is_valid_coefficient<S>(c.restitution) && good;
+    return good;
+}
+
 /// Adds the contacts of a manifold between the shapes of a pair. False if their surfaces do not mix.
 template <class Plan, class Manifold>
 bool add_contact(const shape_pool<Plan>& shapes, proxy_pair pair, std::uint32_t part, const Manifold& m,
@@ -33351,7 +33680,8 @@ template <class Plan>
 collide_result collide_chunk(const collide_input<Plan>& in, const pair_queries<Plan>& of,
                              [[maybe_unused]] const sweep_data_of<Plan>& sweep,
                              manifold_list<typename Plan::scalar, Plan::dimension>& manifolds,
-                             buffer<typename Plan::contact>& to) {
+                             [[maybe_unused]] const buffer<typename Plan::contact>& before,
+                             [[maybe_unused]] passing_pairs<Plan>& passing, buffer<typename Plan::contact>& to) {
     using S = typename Plan::scalar;
     manifolds.clear();
     const auto collide = [&](const auto* some, std::uint32_t count, S within) {
@@ -33363,6 +33693,9 @@ collide_result collide_chunk(const collide_input<Plan>& in, const pair_queries<P
                             manifolds, collide);
     else collide(of.queries(), of.size(), in.margin);
     collide_result result;
+    [[maybe_unused]]
+    typename contact_candidate<Plan>::context context{in.bodies, in.shapes, before, in.margin, in.h, in.tag};
+    if constexpr (Plan::has_contact_rule) context.scratch = &passing.again;
     for (const auto& [query, part, m] : manifolds) {
         const proxy_pair pair = of.pairs()[query];
         const std::uint32_t a = in.shapes[pair.a].body, b = in.shapes[pair.b].body;
@@ -33370,6 +33703,15 @@ collide_result collide_chunk(const collide_input<Plan>& in, const pair_queries<P
         // Broadphases need not leave out pairs of two bodies that are static or asleep; such a pair needs no solving.
         if (awake_a == awake_b) continue;
         result.materials_valid = add_contact<Plan>(in.shapes, pair, part, m, to) && result.materials_valid;
+        if constexpr (Plan::has_contact_rule) {
+            contact_candidate<Plan> candidate(context, to.back());
+            if (!accepts(candidate)) {
+                passing.add(pair);
+                to.pop_back();
+                continue;
+            }
+            result.materials_valid = result.materials_valid && has_valid_coefficients<Plan>(to.back());
+        }
         result.deep = result.deep || is_deep<Plan>(in.awake, in.margin, to.back());
         // Bodies that do not move or sleep have the last number.
         result.near_sleeper = result.near_sleeper || in.sleep.is_asleep(awake_a < awake_b ? b : a);
@@ -33463,7 +33805,8 @@ collide_result find_contacts(const buffer<proxy_pair>& pairs, const collide_inpu
         arena& scratch = d.batch_scratch[worker];
         scratch.reset();
         const pair_queries<Plan> some(in, cache, pairs.begin() + first, end - first, scratch, d.sweep);
-        const collide_result is = collide_chunk(in, some, d.sweep, d.manifolds[worker], to);
+        const collide_result is =
+            collide_chunk(in, some, d.sweep, d.manifolds[worker], before, d.passing_by_worker[worker], to);
         if constexpr (Plan::remembers)
             if (remembers) changes.add(some, cache, first / share, worker);
         inherit_impulses(before, to.begin() + start, to.end(), in.material);
@@ -34666,6 +35009,10 @@ struct sweep_input {
     const joints_of<Plan>& joints;
     const buffer<body_extent<typename Plan::scalar>>& extents;
     const typename Plan::settings& settings;
+    /// What the contact rule has let pass, and what it has not.
+    const passing_pairs<Plan>& passing;
+    const buffer<typename Plan::contact>& contacts;
+    std::uint16_t tag;
 };
 
 /// The ways of bodies through a step: from the poses at its start to the solver's.
@@ -34869,23 +35216,27 @@ protected:
     PHYSICS_HPP_COLD void sweep_body(swept_body_type& m, const body_sweep& path) {
         m.stops = false;
         m.time = 1;
-        each_solid_shape<Plan>(in_.bodies, in_.shapes, m.body, [&](std::uint32_t, const shape_record<Plan>& record) {
-            const mat<double, D> axes = to_matrix(record.local.rotation);
-            const point<D> at = to_point(record.local.position) - to_point(in_.bodies[m.body].mass.center);
-            record.shape.visit([&](const auto& shape) {
-                each_swept_piece(shape, everywhere(record.local.rotation),
-                                 [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
-                                     sweep_piece(m, path, record.filter, c, axes * turned, axes * where + at);
-                                 });
+        each_solid_shape<Plan>(
+            in_.bodies, in_.shapes, m.body, [&](std::uint32_t own, const shape_record<Plan>& record) {
+                const mat<double, D> axes = to_matrix(record.local.rotation);
+                const point<D> at = to_point(record.local.position) - to_point(in_.bodies[m.body].mass.center);
+                record.shape.visit([&](const auto& shape) {
+                    each_swept_piece(shape, everywhere(record.local.rotation),
+                                     [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
+                                         sweep_piece(m, path, own, c, axes * turned, axes * where + at);
+                                     });
+                });
             });
-        });
     }
-    PHYSICS_HPP_COLD void sweep_piece(swept_body_type& m, const body_sweep& path, const collision_filter& filter,
+    PHYSICS_HPP_COLD void sweep_piece(swept_body_type& m, const body_sweep& path, std::uint32_t own,
                                       const core<D>& piece, const mat<double, D>& axes, const point<D>& at) {
         const double thickness = inradius_of<Plan::few_corners>(piece);
         for (const std::uint64_t k : data_.candidates) {
-            const auto& record = in_.shapes[static_cast<std::uint32_t>(k)];
-            if (!may_meet(filter, record.filter)) continue;
+            const auto number = static_cast<std::uint32_t>(k);
+            const auto& record = in_.shapes[number];
+            if (!may_meet(in_.shapes[own].filter, record.filter)) continue;
+            if constexpr (Plan::has_contact_rule)
+                if (in_.passing.has(own < number ? proxy_pair{own, number} : proxy_pair{number, own})) continue;
             const body_sweep other = motion_of(record.body);
             const obstacle o{
                 other,
@@ -34894,7 +35245,9 @@ protected:
                 to_matrix(record.local.rotation),
                 to_point(record.local.position) - to_point(in_.bodies[record.body].mass.center),
                 thickness,
-                record.body};
+                record.body,
+                number,
+                own};
             record.shape.visit([&](const auto& shape) { sweep_shape(shape, o, m); });
         }
     }
@@ -34906,7 +35259,7 @@ protected:
         mat<double, D> axes;
         point<D> at;
         double thickness;
-        std::uint32_t body;
+        std::uint32_t body, shape, own_shape;
     };
 
     template <class Shape>
@@ -34925,6 +35278,18 @@ protected:
         } else if constexpr (has_core<Shape>) {
             sweep_core(core_of(shape), mat<double, D>::identity(), {}, nullptr, o, m);
         }
+    }
+    /// Whether the recipe's contact rule lets a shape stop what comes from afar.
+    PHYSICS_HPP_COLD bool stops_by_rule([[maybe_unused]] const obstacle& o,
+                                        [[maybe_unused]] const first_penetration<D>& found) const {
+        if constexpr (Plan::has_contact_rule) {
+            const typename contact_candidate<Plan>::context context{
+                in_.bodies, in_.shapes, in_.contacts, in_.settings.contact_margin, this->h_, in_.tag};
+            contact_candidate<Plan> candidate(context, o.shape, o.own_shape, from_point<S>(found.normal),
+                                              static_cast<S>(found.gap));
+            return accepts(candidate);
+        }
+        return true;
     }
     /// What a piece fills on its way, and its middle at the step's start, in the frame of the obstacle.
     PHYSICS_HPP_COLD aabb<double, D> box_of_path(const obstacle& o, point<D>& center) const {
@@ -34969,7 +35334,7 @@ protected:
                                       thin};
         const auto found = find_first_penetration<Plan::few_corners>(pair, rule, m.stops ? m.time : 1.0);
         m.converged = m.converged && found.converged;
-        if (!found.stops || (m.stops && !(found.time < m.time))) return;
+        if (!found.stops || (m.stops && !(found.time < m.time)) || !stops_by_rule(o, found)) return;
         m.stops = true;
         m.time = found.time;
         m.other = o.body;
@@ -35379,6 +35744,8 @@ void start_step(step_data<Plan>& d, const task_runner& tasks) {
     d.batch_scratch.prepare(tasks.workers());
     d.manifolds.prepare(tasks.workers());
     d.contacts_by_worker.prepare(tasks.workers());
+    d.passing_by_worker.prepare(tasks.workers());
+    d.passing.take(d.passing_by_worker, tasks.workers());
     d.pair_cache_changes.by.prepare(tasks.workers());
 }
 
@@ -35432,7 +35799,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
 
     // Pairs, poses, the last step's contacts -> d.new_contacts, with feature ids and warm impulses.
     const collide_input<Plan> to_collide{
-        s.bodies, s.shapes, s.awake, s.sleep, d.new_material, s.settings.contact_margin, h, s.steps};
+        s.bodies, s.shapes, s.awake, s.sleep, d.new_material, s.settings.contact_margin, h, s.steps, s.tag};
     const collide_result found = find_contacts(pairs, to_collide, s.contacts, s.step_lengths, s.memories, d, tasks);
     if (!found.materials_valid) return step_result::bad_mixing_rule;
     // Contacts with sleeping bodies -> islands that they wake, at the end of s.awake; their contacts, in
@@ -35442,6 +35809,8 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
             list_woken<Plan>(d.new_contacts, s.bodies, s.sleep, s.settings.gravity, h, s.awake, d.woken) &&
             !find_contacts_of_woken(to_collide, s.memories, d, tasks))
             return step_result::bad_mixing_rule;
+    // What the recipe's contact rule lets pass, in d.passing.
+    d.passing.take(d.passing_by_worker, tasks.workers());
     // d.new_contacts -> those that are not at flush edges.
     drop_seam_contacts(to_collide, s.continuous, d);
     // Contacts, joints -> which bodies they hold together, in d.edges.
@@ -35468,8 +35837,8 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     [[maybe_unused]] continuous_report<S> sweep_report;
     if constexpr (Plan::sweeps) {
         const auto& extents = s.continuous.extents;
-        const sweep_input<Plan> to_sweep{s.bodies, s.shapes, s.broadphase, s.awake,
-                                         s.sleep,  s.joints, extents,      s.settings};
+        const sweep_input<Plan> to_sweep{s.bodies, s.shapes,   s.broadphase, s.awake,        s.sleep, s.joints,
+                                         extents,  s.settings, d.passing,    d.new_contacts, s.tag};
         sweep_report = sweep(to_sweep, moved, h, d.sweep);
     }
     // Poses -> poses of shapes, and boxes in the broadphase of those that left theirs; put back if one does not fit.
@@ -35599,6 +35968,9 @@ struct shape_def {
     collision_filter filter = {};
     /// True if it stops nothing and has no mass, but tells what is in it, in recipes that name event::sensor.
     bool sensor = false;
+    /// True if it holds only what comes from its upper side, the y axis of its frame, in recipes that name
+    /// one_way_platforms or another contact rule that asks for it.
+    bool one_way = false;
     std::uint64_t user_data = 0;
 };
 template <class S, int D>
@@ -35607,7 +35979,7 @@ struct shape_def<S, D, false> {
     physics::rotation<S, D> rotation = {};
     S density = S(1);
     collision_filter filter = {};
-    bool sensor = false;
+    bool sensor = false, one_way = false;
     std::uint64_t user_data = 0;
 };
 
@@ -35833,6 +36205,8 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using solver = typename policy_for<stage::solver, soft_step, Policies...>::type::template in<space, features>;
     static constexpr bool sleeps = features::sleeping;
     using events = typename policy_for<stage::events, physics::events<>, Policies...>::type;
+    using contact_rule = typename policy_for<stage::contact_rule, no_contact_rule, Policies...>::type;
+    static constexpr bool has_contact_rule = !std::same_as<contact_rule, no_contact_rule>;
     using joints = typename policy_for<stage::joints, physics::joints<>, Policies...>::type;
     static constexpr bool has_joints = !std::same_as<joints, physics::joints<>>;
     using settings =
@@ -35910,7 +36284,8 @@ constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<
                              std::same_as<Stage, stage::broadphase> || std::same_as<Stage, stage::narrowphase> ||
                              std::same_as<Stage, stage::mixing> || std::same_as<Stage, stage::solver> ||
                              std::same_as<Stage, stage::integrator> || std::same_as<Stage, stage::continuous> ||
-                             std::same_as<Stage, stage::features> || std::same_as<Stage, stage::events>;
+                             std::same_as<Stage, stage::features> || std::same_as<Stage, stage::events> ||
+                             std::same_as<Stage, stage::contact_rule>;
 
 /// False for a policy that claims a stage of the library's own.
 template <class Policy, class Stage = typename stage_of<Policy>::type>
@@ -37282,6 +37657,10 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
         refuse(f, "sensor", "true", "the recipe does not name event::sensor");
         return {};
     }
+    if (!Plan::has_contact_rule && def.one_way) {
+        refuse(f, "one_way", "true", "the recipe names no contact rule, such as one_way_platforms");
+        return {};
+    }
     const auto& owner = s.bodies[body];
     if (!has_mass && owner.is_dynamic() && !def.sensor) {
         refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
@@ -37294,6 +37673,7 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     record.density = def.density;
     record.filter = def.filter;
     record.sensor = def.sensor;
+    record.one_way = def.one_way;
     record.body = body;
     record.user_data = def.user_data;
     update_pose(record, owner.pose(), owner.center);
@@ -37712,7 +38092,8 @@ public:
     }
     template <class Plan>
     void add(const shape_record<Plan>& s) {
-        add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body | std::uint64_t{s.sensor} << 63);
+        add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body | std::uint64_t{s.sensor} << 63 |
+            std::uint64_t{s.one_way} << 62);
         add(s.local);
         const auto material = s.material.whole();
         add(material.friction);
@@ -38035,6 +38416,30 @@ bool comes_first(const Hit& a, const Hit& b) {
     return !b || a.fraction < b.fraction || (a.fraction == b.fraction && a.shape.index < b.shape.index);
 }
 
+/// Whether a query passes a shape that is one_way, which it meets by a normal out of it.
+template <class Plan>
+bool passes([[maybe_unused]] const shape_record<Plan>& shape, [[maybe_unused]] const query_filter& filter,
+            [[maybe_unused]] const vec<typename Plan::scalar, Plan::dimension>& normal) {
+    if constexpr (Plan::has_contact_rule)
+        return filter.one_way && shape.one_way && !one_way_platforms::is_above(shape.pose, normal);
+    else return false;
+}
+/// Whether it does as it is in that as deep.
+template <class Plan>
+bool passes_within([[maybe_unused]] const state<Plan>& s, [[maybe_unused]] const shape_record<Plan>& shape,
+                   [[maybe_unused]] const query_filter& filter, [[maybe_unused]] typename Plan::scalar separation) {
+    if constexpr (Plan::has_contact_rule)
+        return filter.one_way && shape.one_way && !one_way_platforms::is_outside(separation, s.settings.contact_margin);
+    else return false;
+}
+
+/// The separation of any shape and a convex one, if it is at most `reach`; else more than that.
+template <class A, class B, class S, int D>
+closest_points<S, D> separation_within(const A& a, const B& b, const transform<S, D>& b_in_a, S reach) {
+    if constexpr (has_parts<A, D>) return separation(a, b, b_in_a, reach);
+    else return separation(a, b, b_in_a);
+}
+
 template <class Plan, class Shape>
 world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
     const state<Plan>& s, const Shape& shape, const transform<typename Plan::scalar, Plan::dimension>& pose,
@@ -38055,18 +38460,17 @@ world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
             const auto hit = cast_shape(other, shape, relative(at, pose), inverse_rotate(at.rotation, translation));
             const world_hit<S, D> found{id_of_shape(s, i), body_of_shape(s, i), hit.fraction, at * hit.point,
                                         at.rotation * hit.normal};
-            if (hit && comes_first(found, first)) first = found;
+            if (!hit || !comes_first(found, first) || passes(s.shapes[i], filter, found.normal)) return;
+            if constexpr (Plan::has_contact_rule)
+                if (filter.one_way && s.shapes[i].one_way && !(hit.fraction > S(0)) &&
+                    passes_within(s, s.shapes[i], filter,
+                                  separation_within(other, shape, relative(at, pose), S(0)).distance))
+                    return;
+            first = found;
         });
         return first ? first.fraction : S(1);
     });
     return first;
-}
-
-/// The separation of any shape and a convex one, if it is at most `reach`; else more than that.
-template <class A, class B, class S, int D>
-closest_points<S, D> separation_within(const A& a, const B& b, const transform<S, D>& b_in_a, S reach) {
-    if constexpr (has_parts<A, D>) return separation(a, b, b_in_a, reach);
-    else return separation(a, b, b_in_a);
 }
 
 /// Calls found(shape's number) for shapes that a shape touches, in any order; it must not change the world.
@@ -38136,6 +38540,7 @@ void collide_shape(const state<Plan>& s, const typename Plan::shape& shape,
             shape_contact<S, D> c{
                 id_of_shape(s, i), body_of_shape(s, i), part, is_first ? normal : -normal, {}, m.count};
             for (int k = 0; k < m.count; ++k) c.points[k] = {at_a * m.points[k].position, m.points[k].separation};
+            if (passes(other, filter, c.normal) || passes_within(s, other, filter, c.separation())) continue;
             to.push_back(c);
         }
     });
@@ -38489,6 +38894,11 @@ public:
     [[nodiscard]] bool is_sensor(shape_id id) const {
         const detail::lookup at = detail::find_shape(data(), id, "is_sensor");
         return at && data().shapes[at.index].sensor;
+    }
+    /// Whether a shape holds only what comes from its upper side (see one_way_platforms).
+    [[nodiscard]] bool is_one_way(shape_id id) const {
+        const detail::lookup at = detail::find_shape(data(), id, "is_one_way");
+        return at && data().shapes[at.index].one_way;
     }
     /// Calls visit(shape_id) for what was in a sensor as the last step ended, and is not destroyed since, in ascending
     /// order; visit may change the world. O(log of all such pairs + their number).
@@ -40048,7 +40458,7 @@ public:
             detail::refuse(f, "length of up", size, "it must be 1, to less than 0.001");
             return;
         }
-        settings_ = with;
+        set_settings(with);
         shape_ = shape.shape;
         rotation_ = shape.rotation;
         up_ = up;
@@ -40066,7 +40476,9 @@ public:
 
     [[nodiscard]] const settings_type& settings() const { return settings_; }
     void set_settings(const settings_type& with) {
-        if (check(with, "set_settings")) settings_ = with;
+        if (!check(with, "set_settings")) return;
+        settings_ = with;
+        settings_.filter.one_way = true;
     }
 
     /// Where its feet are: the lowest point, as it stands on what is below (m).

@@ -120,6 +120,7 @@
 // Vectors, rotations, transforms, inertia, boxes.
 #include "physics/space/aabb.hpp"
 #include "physics/space/check.hpp"
+#include "physics/space/foreign.hpp"
 #include "physics/space/inertia.hpp"
 #include "physics/space/mat.hpp"
 #include "physics/space/orientation.hpp"
@@ -305,6 +306,7 @@
 #include "physics/step/awake.hpp"
 #include "physics/step/collide.hpp"
 #include "physics/step/contact_index.hpp"
+#include "physics/step/contact_rule.hpp"
 #include "physics/step/depths.hpp"
 #include "physics/step/edges.hpp"
 #include "physics/step/events.hpp"

@@ -41,6 +41,57 @@ CELL_CASE("vec: components, literals and operators") {
     CHECK(physics::vec<S, 3>{0, -10.0, 0.5f} == physics::vec<S, 3>(S(0), S(-10), S(0.5)));
 }
 
+template <class T, int Size>
+struct by_members;
+template <class T>
+struct by_members<T, 2> {
+    T x, y;
+};
+template <class T>
+struct by_members<T, 3> {
+    T x, y, z;
+};
+/// As std::array and Eigen's.
+template <class T>
+struct by_index {
+    enum { SizeAtCompileTime = D };
+    T values[D];
+    T& operator[](int i) { return values[i]; }
+    const T& operator[](int i) const { return values[i]; }
+};
+template <class T>
+struct quaternion {
+    T x, y, z, w;
+};
+template <class V>
+void check_foreign() {
+    V v{};
+    if constexpr (requires { v[0]; }) {
+        for (int i = 0; i < D; ++i) v[i] = static_cast<std::remove_cvref_t<decltype(v[0])>>(i + 2);
+    } else {
+        v.x = static_cast<decltype(v.x)>(2);
+        v.y = static_cast<decltype(v.x)>(3);
+        if constexpr (D == 3) v.z = static_cast<decltype(v.x)>(4);
+    }
+    const vec own(v);
+    for (int i = 0; i < D; ++i) CHECK(own[i] == S(i + 2));
+    CHECK(vec(physics::to<V>(own)) == own);
+}
+CELL_CASE("vec: vectors of other libraries become vectors and back, by themselves where no number changes") {
+    check_foreign<by_members<S, D>>();
+    check_foreign<by_index<S>>();
+    if constexpr (std::constructible_from<S, float> && std::constructible_from<float, S>) {
+        check_foreign<by_members<float, D>>();
+        check_foreign<by_index<double>>();
+    }
+    static_assert(std::convertible_to<by_members<S, D>, vec>);
+    static_assert(std::convertible_to<by_index<S>, vec>);
+    static_assert(!std::convertible_to<by_members<int, D>, vec>);
+    static_assert(!std::constructible_from<vec, by_members<S, 5 - D>>);
+    static_assert(!std::constructible_from<vec, quaternion<S>>);
+    static_assert(!std::constructible_from<vec, S*>);
+}
+
 CELL_CASE("vec: dot and cross products obey their identities") {
     cell::dice dice(1);
     for (int i = 0; i < 2000; ++i) {

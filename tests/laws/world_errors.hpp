@@ -76,6 +76,7 @@ const entry<shape_id> shape_entries[] = {
     {"contacts", [](world& w, shape_id s) { (void)w.contacts(s).size(); }},
     {"touching", [](world& w, shape_id s) { (void)w.touching(s, s); }},
     {"is_sensor", [](world& w, shape_id s) { (void)w.is_sensor(s); }},
+    {"is_one_way", [](world& w, shape_id s) { (void)w.is_one_way(s); }},
     {"user_data", [](world& w, shape_id s) { (void)w.user_data(s); }},
     {"set_user_data", [](world& w, shape_id s) { w.set_user_data(s, 1); }},
 };

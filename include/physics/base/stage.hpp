@@ -24,6 +24,8 @@ struct integrator {};
 struct continuous {};
 /// What a step tells of: events<...>.
 struct events {};
+/// Which contacts hold, and how: one_way_platforms.
+struct contact_rule {};
 /// Which features are left out: without<...>.
 struct features {};
 }  // namespace stage

@@ -22,6 +22,9 @@ struct query_filter {
     bool sensors = false;
     /// Whether rays in a world meet shapes within which they begin.
     bool inside = true;
+    /// Whether casts of shapes and collide_shape in a world meet shapes that are one_way from their upper side only, as
+    /// bodies do; rays and overlaps meet them whole.
+    bool one_way = false;
 
     [[nodiscard]] constexpr bool sees(const proxy_filter& p) const {
         return (any_category || ((p.category & mask) != 0 && (category & p.mask) != 0)) && (kinds & p.kinds) != 0 &&

@@ -72,7 +72,7 @@ public:
             detail::refuse(f, "length of up", size, "it must be 1, to less than 0.001");
             return;
         }
-        settings_ = with;
+        set_settings(with);
         shape_ = shape.shape;
         rotation_ = shape.rotation;
         up_ = up;
@@ -90,7 +90,9 @@ public:
 
     [[nodiscard]] const settings_type& settings() const { return settings_; }
     void set_settings(const settings_type& with) {
-        if (check(with, "set_settings")) settings_ = with;
+        if (!check(with, "set_settings")) return;
+        settings_ = with;
+        settings_.filter.one_way = true;
     }
 
     /// Where its feet are: the lowest point, as it stands on what is below (m).

@@ -3,6 +3,7 @@
 
 #include "physics/base/math.hpp"
 #include "physics/base/scalar.hpp"
+#include "physics/space/foreign.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -31,6 +32,12 @@ struct vec<S, 2> {
     template <class A, class B>
         requires detail::literal_for<A, S> || detail::literal_for<B, S>
     constexpr vec(A x_, B y_) : x(detail::from_literal<S>(x_)), y(detail::from_literal<S>(y_)) {}
+    /// From a vector of another library, with members x and y, or two components by index.
+    template <class V>
+        requires(!std::same_as<V, vec>)
+    &&detail::has_components<V, 2> constexpr explicit(!detail::has_components_of<V, S, 2>) vec(const V& v)
+        : x(static_cast<S>(detail::component_of<0, V, 2>(v))),
+    y(static_cast<S>(detail::component_of<1, V, 2>(v))) {}
 
     static constexpr int size = 2;
     constexpr S& operator[](int i) { return i == 0 ? x : y; }
@@ -86,6 +93,12 @@ struct vec<S, 3> {
         requires detail::literal_for<A, S> || detail::literal_for<B, S> || detail::literal_for<C, S>
     constexpr vec(A x_, B y_, C z_)
         : x(detail::from_literal<S>(x_)), y(detail::from_literal<S>(y_)), z(detail::from_literal<S>(z_)) {}
+    /// From a vector of another library, with members x, y and z, or three components by index.
+    template <class V>
+        requires(!std::same_as<V, vec>)
+    &&detail::has_components<V, 3> constexpr explicit(!detail::has_components_of<V, S, 3>) vec(const V& v)
+        : x(static_cast<S>(detail::component_of<0, V, 3>(v))),
+    y(static_cast<S>(detail::component_of<1, V, 3>(v))), z(static_cast<S>(detail::component_of<2, V, 3>(v))) {}
 
     static constexpr int size = 3;
     constexpr S& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
@@ -136,6 +149,24 @@ constexpr vec<S, 3> operator/(vec<S, 3> a, std::type_identity_t<S> s) {
 template <class S, int D>
 constexpr vec<S, D> operator*(std::type_identity_t<S> s, vec<S, D> a) {
     return a * s;
+}
+
+/// A vector as one of another library: physics::to<glm::vec3>(world.position(body)).
+template <class V, class S, int D>
+    requires detail::has_components<V, D>
+constexpr V to(const vec<S, D>& v) {
+    V r{};
+    const auto set = [](auto& component, S x) { component = static_cast<std::remove_cvref_t<decltype(component)>>(x); };
+    if constexpr (detail::has_indices<V, D>) {
+        set(r[0], v.x);
+        set(r[1], v.y);
+        if constexpr (D == 3) set(r[2], v.z);
+    } else {
+        set(r.x, v.x);
+        set(r.y, v.y);
+        if constexpr (D == 3) set(r.z, v.z);
+    }
+    return r;
 }
 
 /// Angular quantities (velocity, impulse, torque): a scalar in 2D, counter-clockwise; a vector in 3D.

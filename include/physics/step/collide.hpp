@@ -1,6 +1,7 @@
 // The contacts of a step: narrowphase, surfaces, and what is remembered of pairs.
 #pragma once
 
+#include "physics/step/contact_rule.hpp"
 #include "physics/step/depths.hpp"
 #include "physics/step/look_ahead.hpp"
 #include "physics/step/touching.hpp"
@@ -23,21 +24,13 @@ struct collide_input {
     const combined_material<S, typename Plan::features>& material;
     S margin, h;
     std::uint64_t steps;
+    std::uint16_t tag;
 };
 
 /// The narrowphase wants the shape of the lower kind first.
 template <class Plan>
 proxy_pair in_order_of_kinds(const shape_pool<Plan>& shapes, proxy_pair p) {
     return shapes[p.a].shape.kind() > shapes[p.b].shape.kind() ? proxy_pair{p.b, p.a} : p;
-}
-
-/// The manifolds of one pair, of which nothing is remembered.
-template <class Plan>
-void collide_once(const typename Plan::query& query, typename Plan::scalar margin,
-                  manifold_list<typename Plan::scalar, Plan::dimension>& to) {
-    to.clear();
-    if constexpr (Plan::remembers) Plan::narrowphase::collide(&query, 1, margin, nullptr, to);
-    else Plan::narrowphase::collide(&query, 1, margin, to);
 }
 
 /// Some pairs in a row with what the narrowphase is to know of them: a query of each, and what the last step remembered
@@ -111,18 +104,22 @@ PHYSICS_HPP_NOINLINE void set_belt_velocity(typename Plan::contact& c, const sha
         relative_surface_velocity(tangents<typename Plan::scalar, Plan::dimension>(c.normal), a.pose.rotation,
                                   a.material.surface_velocity, b.pose.rotation, b.material.surface_velocity);
 }
+template <class S>
+bool is_valid_coefficient(S x) {
+    return x >= S(0) && is_finite(x);
+}
 /// Writes down the coefficients of two materials together; false if the recipe's rule gives what no solver takes.
 template <class Plan, class Coefficients>
 bool combine_materials(Coefficients& c, const material<typename Plan::scalar, Plan::dimension>& of_a,
                        const material<typename Plan::scalar, Plan::dimension>& of_b) {
     using S = typename Plan::scalar;
     using features = typename Plan::features;
-    const auto is_good = [](S x) { return x >= S(0) && is_finite(x); };
     bool good = true;
-    if constexpr (features::friction) good = is_good(c.friction = Plan::mixing::friction(of_a, of_b));
-    if constexpr (features::restitution) good = is_good(c.restitution = Plan::mixing::restitution(of_a, of_b)) && good;
+    if constexpr (features::friction) good = is_valid_coefficient<S>(c.friction = Plan::mixing::friction(of_a, of_b));
+    if constexpr (features::restitution)
+        good = is_valid_coefficient<S>(c.restitution = Plan::mixing::restitution(of_a, of_b)) && good;
     if constexpr (features::rolling_resistance)
-        good = is_good(c.rolling_resistance = Plan::mixing::rolling_resistance(of_a, of_b)) && good;
+        good = is_valid_coefficient<S>(c.rolling_resistance = Plan::mixing::rolling_resistance(of_a, of_b)) && good;
     return good;
 }
 /// What both surfaces make of a contact of A and B, unless that is the same for all.
@@ -155,6 +152,17 @@ bool combine_common_materials([[maybe_unused]] const typename Plan::settings& se
     }
 }
 
+/// Whether a contact rule has left coefficients that solvers take.
+template <class Plan>
+bool has_valid_coefficients([[maybe_unused]] const typename Plan::contact& c) {
+    using S = typename Plan::scalar;
+    bool good = true;
+    if constexpr (Plan::features::materials && Plan::features::friction) good = is_valid_coefficient<S>(c.friction);
+    if constexpr (Plan::features::materials && Plan::features::restitution)
+        good = is_valid_coefficient<S>(c.restitution) && good;
+    return good;
+}
+
 /// Adds the contacts of a manifold between the shapes of a pair. False if their surfaces do not mix.
 template <class Plan, class Manifold>
 bool add_contact(const shape_pool<Plan>& shapes, proxy_pair pair, std::uint32_t part, const Manifold& m,
@@ -185,7 +193,8 @@ template <class Plan>
 collide_result collide_chunk(const collide_input<Plan>& in, const pair_queries<Plan>& of,
                              [[maybe_unused]] const sweep_data_of<Plan>& sweep,
                              manifold_list<typename Plan::scalar, Plan::dimension>& manifolds,
-                             buffer<typename Plan::contact>& to) {
+                             [[maybe_unused]] const buffer<typename Plan::contact>& before,
+                             [[maybe_unused]] passing_pairs<Plan>& passing, buffer<typename Plan::contact>& to) {
     using S = typename Plan::scalar;
     manifolds.clear();
     const auto collide = [&](const auto* some, std::uint32_t count, S within) {
@@ -197,6 +206,9 @@ collide_result collide_chunk(const collide_input<Plan>& in, const pair_queries<P
                             manifolds, collide);
     else collide(of.queries(), of.size(), in.margin);
     collide_result result;
+    [[maybe_unused]]
+    typename contact_candidate<Plan>::context context{in.bodies, in.shapes, before, in.margin, in.h, in.tag};
+    if constexpr (Plan::has_contact_rule) context.scratch = &passing.again;
     for (const auto& [query, part, m] : manifolds) {
         const proxy_pair pair = of.pairs()[query];
         const std::uint32_t a = in.shapes[pair.a].body, b = in.shapes[pair.b].body;
@@ -204,6 +216,15 @@ collide_result collide_chunk(const collide_input<Plan>& in, const pair_queries<P
         // Broadphases need not leave out pairs of two bodies that are static or asleep; such a pair needs no solving.
         if (awake_a == awake_b) continue;
         result.materials_valid = add_contact<Plan>(in.shapes, pair, part, m, to) && result.materials_valid;
+        if constexpr (Plan::has_contact_rule) {
+            contact_candidate<Plan> candidate(context, to.back());
+            if (!accepts(candidate)) {
+                passing.add(pair);
+                to.pop_back();
+                continue;
+            }
+            result.materials_valid = result.materials_valid && has_valid_coefficients<Plan>(to.back());
+        }
         result.deep = result.deep || is_deep<Plan>(in.awake, in.margin, to.back());
         // Bodies that do not move or sleep have the last number.
         result.near_sleeper = result.near_sleeper || in.sleep.is_asleep(awake_a < awake_b ? b : a);
@@ -297,7 +318,8 @@ collide_result find_contacts(const buffer<proxy_pair>& pairs, const collide_inpu
         arena& scratch = d.batch_scratch[worker];
         scratch.reset();
         const pair_queries<Plan> some(in, cache, pairs.begin() + first, end - first, scratch, d.sweep);
-        const collide_result is = collide_chunk(in, some, d.sweep, d.manifolds[worker], to);
+        const collide_result is =
+            collide_chunk(in, some, d.sweep, d.manifolds[worker], before, d.passing_by_worker[worker], to);
         if constexpr (Plan::remembers)
             if (remembers) changes.add(some, cache, first / share, worker);
         inherit_impulses(before, to.begin() + start, to.end(), in.material);

@@ -24,6 +24,8 @@ void start_step(step_data<Plan>& d, const task_runner& tasks) {
     d.batch_scratch.prepare(tasks.workers());
     d.manifolds.prepare(tasks.workers());
     d.contacts_by_worker.prepare(tasks.workers());
+    d.passing_by_worker.prepare(tasks.workers());
+    d.passing.take(d.passing_by_worker, tasks.workers());
     d.pair_cache_changes.by.prepare(tasks.workers());
 }
 
@@ -77,7 +79,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
 
     // Pairs, poses, the last step's contacts -> d.new_contacts, with feature ids and warm impulses.
     const collide_input<Plan> to_collide{
-        s.bodies, s.shapes, s.awake, s.sleep, d.new_material, s.settings.contact_margin, h, s.steps};
+        s.bodies, s.shapes, s.awake, s.sleep, d.new_material, s.settings.contact_margin, h, s.steps, s.tag};
     const collide_result found = find_contacts(pairs, to_collide, s.contacts, s.step_lengths, s.memories, d, tasks);
     if (!found.materials_valid) return step_result::bad_mixing_rule;
     // Contacts with sleeping bodies -> islands that they wake, at the end of s.awake; their contacts, in
@@ -87,6 +89,8 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
             list_woken<Plan>(d.new_contacts, s.bodies, s.sleep, s.settings.gravity, h, s.awake, d.woken) &&
             !find_contacts_of_woken(to_collide, s.memories, d, tasks))
             return step_result::bad_mixing_rule;
+    // What the recipe's contact rule lets pass, in d.passing.
+    d.passing.take(d.passing_by_worker, tasks.workers());
     // d.new_contacts -> those that are not at flush edges.
     drop_seam_contacts(to_collide, s.continuous, d);
     // Contacts, joints -> which bodies they hold together, in d.edges.
@@ -113,8 +117,8 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     [[maybe_unused]] continuous_report<S> sweep_report;
     if constexpr (Plan::sweeps) {
         const auto& extents = s.continuous.extents;
-        const sweep_input<Plan> to_sweep{s.bodies, s.shapes, s.broadphase, s.awake,
-                                         s.sleep,  s.joints, extents,      s.settings};
+        const sweep_input<Plan> to_sweep{s.bodies, s.shapes,   s.broadphase, s.awake,        s.sleep, s.joints,
+                                         extents,  s.settings, d.passing,    d.new_contacts, s.tag};
         sweep_report = sweep(to_sweep, moved, h, d.sweep);
     }
     // Poses -> poses of shapes, and boxes in the broadphase of those that left theirs; put back if one does not fit.

@@ -68,6 +68,37 @@ using step_joints_of =
     std::conditional_t<Plan::has_joints, step_joints<typename Plan::scalar, Plan::dimension, typename Plan::joints>,
                        no_step_joints>;
 
+/// Pairs of shapes that are near each other in a step, but let pass by the recipe's contact rule.
+template <bool HasRule, class S, int D>
+struct passing_list {
+    buffer<proxy_pair> pairs;
+    /// For rules that look again.
+    manifold_list<S, D> again;
+
+    void add(proxy_pair pair) { pairs.push_back(pair); }
+    void clear() { pairs.clear(); }
+    [[nodiscard]] bool has(proxy_pair pair) const {
+        const std::uint32_t i = count_before(pairs, [&](proxy_pair p) { return p < pair; });
+        return i < pairs.size() && pairs[i] == pair;
+    }
+    /// Takes over those of all workers.
+    void take(per_worker<passing_list>& by, std::uint32_t workers) {
+        pairs.clear();
+        for (std::uint32_t k = 0; k < workers; ++k) {
+            for (const proxy_pair pair : by[k].pairs) pairs.push_back(pair);
+            by[k].clear();
+        }
+        sort_in_place(pairs.begin(), pairs.size(), [](proxy_pair x, proxy_pair y) { return x < y; });
+    }
+};
+template <class S, int D>
+struct passing_list<false, S, D> {
+    void clear() {}
+    void take(per_worker<passing_list>&, std::uint32_t) {}
+};
+template <class Plan>
+using passing_pairs = passing_list<Plan::has_contact_rule, typename Plan::scalar, Plan::dimension>;
+
 /// Whether a step is under way.
 struct step_flag {
     bool on = false;
@@ -83,6 +114,7 @@ struct step_data {
     /// What the step finds, to become the state's.
     buffer<contact> new_contacts;
     [[no_unique_address]] combined_material<S, typename Plan::features> new_material;
+    [[no_unique_address]] passing_pairs<Plan> passing;
     detail::pair_cache_changes<Plan> pair_cache_changes;
     /// All that holds bodies together: of contacts, in their order, behind them of joints.
     buffer<edge> edges;
@@ -101,6 +133,7 @@ struct step_data {
     /// What each worker has found.
     per_worker<manifold_list<S, D>> manifolds;
     per_worker<buffer<contact>> contacts_by_worker;
+    per_worker<passing_pairs<Plan>> passing_by_worker;
     buffer<unsigned char> tasks_done;
 
     /// Contacts have gone from the list of those that can be pushed to that of sleepers, or back.

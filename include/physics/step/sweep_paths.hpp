@@ -36,6 +36,10 @@ struct sweep_input {
     const joints_of<Plan>& joints;
     const buffer<body_extent<typename Plan::scalar>>& extents;
     const typename Plan::settings& settings;
+    /// What the contact rule has let pass, and what it has not.
+    const passing_pairs<Plan>& passing;
+    const buffer<typename Plan::contact>& contacts;
+    std::uint16_t tag;
 };
 
 /// The ways of bodies through a step: from the poses at its start to the solver's.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/base/sort.hpp"
+#include "physics/step/contact_rule.hpp"
 #include "physics/step/extents.hpp"
 #include "physics/step/nearby.hpp"
 #include "physics/step/sweep_paths.hpp"
@@ -74,23 +75,27 @@ protected:
     PHYSICS_HPP_COLD void sweep_body(swept_body_type& m, const body_sweep& path) {
         m.stops = false;
         m.time = 1;
-        each_solid_shape<Plan>(in_.bodies, in_.shapes, m.body, [&](std::uint32_t, const shape_record<Plan>& record) {
-            const mat<double, D> axes = to_matrix(record.local.rotation);
-            const point<D> at = to_point(record.local.position) - to_point(in_.bodies[m.body].mass.center);
-            record.shape.visit([&](const auto& shape) {
-                each_swept_piece(shape, everywhere(record.local.rotation),
-                                 [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
-                                     sweep_piece(m, path, record.filter, c, axes * turned, axes * where + at);
-                                 });
+        each_solid_shape<Plan>(
+            in_.bodies, in_.shapes, m.body, [&](std::uint32_t own, const shape_record<Plan>& record) {
+                const mat<double, D> axes = to_matrix(record.local.rotation);
+                const point<D> at = to_point(record.local.position) - to_point(in_.bodies[m.body].mass.center);
+                record.shape.visit([&](const auto& shape) {
+                    each_swept_piece(shape, everywhere(record.local.rotation),
+                                     [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
+                                         sweep_piece(m, path, own, c, axes * turned, axes * where + at);
+                                     });
+                });
             });
-        });
     }
-    PHYSICS_HPP_COLD void sweep_piece(swept_body_type& m, const body_sweep& path, const collision_filter& filter,
+    PHYSICS_HPP_COLD void sweep_piece(swept_body_type& m, const body_sweep& path, std::uint32_t own,
                                       const core<D>& piece, const mat<double, D>& axes, const point<D>& at) {
         const double thickness = inradius_of<Plan::few_corners>(piece);
         for (const std::uint64_t k : data_.candidates) {
-            const auto& record = in_.shapes[static_cast<std::uint32_t>(k)];
-            if (!may_meet(filter, record.filter)) continue;
+            const auto number = static_cast<std::uint32_t>(k);
+            const auto& record = in_.shapes[number];
+            if (!may_meet(in_.shapes[own].filter, record.filter)) continue;
+            if constexpr (Plan::has_contact_rule)
+                if (in_.passing.has(own < number ? proxy_pair{own, number} : proxy_pair{number, own})) continue;
             const body_sweep other = motion_of(record.body);
             const obstacle o{
                 other,
@@ -99,7 +104,9 @@ protected:
                 to_matrix(record.local.rotation),
                 to_point(record.local.position) - to_point(in_.bodies[record.body].mass.center),
                 thickness,
-                record.body};
+                record.body,
+                number,
+                own};
             record.shape.visit([&](const auto& shape) { sweep_shape(shape, o, m); });
         }
     }
@@ -111,7 +118,7 @@ protected:
         mat<double, D> axes;
         point<D> at;
         double thickness;
-        std::uint32_t body;
+        std::uint32_t body, shape, own_shape;
     };
 
     template <class Shape>
@@ -130,6 +137,18 @@ protected:
         } else if constexpr (has_core<Shape>) {
             sweep_core(core_of(shape), mat<double, D>::identity(), {}, nullptr, o, m);
         }
+    }
+    /// Whether the recipe's contact rule lets a shape stop what comes from afar.
+    PHYSICS_HPP_COLD bool stops_by_rule([[maybe_unused]] const obstacle& o,
+                                        [[maybe_unused]] const first_penetration<D>& found) const {
+        if constexpr (Plan::has_contact_rule) {
+            const typename contact_candidate<Plan>::context context{
+                in_.bodies, in_.shapes, in_.contacts, in_.settings.contact_margin, this->h_, in_.tag};
+            contact_candidate<Plan> candidate(context, o.shape, o.own_shape, from_point<S>(found.normal),
+                                              static_cast<S>(found.gap));
+            return accepts(candidate);
+        }
+        return true;
     }
     /// What a piece fills on its way, and its middle at the step's start, in the frame of the obstacle.
     PHYSICS_HPP_COLD aabb<double, D> box_of_path(const obstacle& o, point<D>& center) const {
@@ -174,7 +193,7 @@ protected:
                                       thin};
         const auto found = find_first_penetration<Plan::few_corners>(pair, rule, m.stops ? m.time : 1.0);
         m.converged = m.converged && found.converged;
-        if (!found.stops || (m.stops && !(found.time < m.time))) return;
+        if (!found.stops || (m.stops && !(found.time < m.time)) || !stops_by_rule(o, found)) return;
         m.stops = true;
         m.time = found.time;
         m.other = o.body;

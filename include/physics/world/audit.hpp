@@ -51,7 +51,8 @@ constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<
                              std::same_as<Stage, stage::broadphase> || std::same_as<Stage, stage::narrowphase> ||
                              std::same_as<Stage, stage::mixing> || std::same_as<Stage, stage::solver> ||
                              std::same_as<Stage, stage::integrator> || std::same_as<Stage, stage::continuous> ||
-                             std::same_as<Stage, stage::features> || std::same_as<Stage, stage::events>;
+                             std::same_as<Stage, stage::features> || std::same_as<Stage, stage::events> ||
+                             std::same_as<Stage, stage::contact_rule>;
 
 /// False for a policy that claims a stage of the library's own.
 template <class Policy, class Stage = typename stage_of<Policy>::type>

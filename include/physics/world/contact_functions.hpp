@@ -63,6 +63,11 @@ public:
         const detail::lookup at = detail::find_shape(data(), id, "is_sensor");
         return at && data().shapes[at.index].sensor;
     }
+    /// Whether a shape holds only what comes from its upper side (see one_way_platforms).
+    [[nodiscard]] bool is_one_way(shape_id id) const {
+        const detail::lookup at = detail::find_shape(data(), id, "is_one_way");
+        return at && data().shapes[at.index].one_way;
+    }
     /// Calls visit(shape_id) for what was in a sensor as the last step ended, and is not destroyed since, in ascending
     /// order; visit may change the world. O(log of all such pairs + their number).
     template <class Visit>

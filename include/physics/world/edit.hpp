@@ -50,6 +50,10 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
         refuse(f, "sensor", "true", "the recipe does not name event::sensor");
         return {};
     }
+    if (!Plan::has_contact_rule && def.one_way) {
+        refuse(f, "one_way", "true", "the recipe names no contact rule, such as one_way_platforms");
+        return {};
+    }
     const auto& owner = s.bodies[body];
     if (!has_mass && owner.is_dynamic() && !def.sensor) {
         refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
@@ -62,6 +66,7 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     record.density = def.density;
     record.filter = def.filter;
     record.sensor = def.sensor;
+    record.one_way = def.one_way;
     record.body = body;
     record.user_data = def.user_data;
     update_pose(record, owner.pose(), owner.center);

@@ -149,6 +149,30 @@ bool comes_first(const Hit& a, const Hit& b) {
     return !b || a.fraction < b.fraction || (a.fraction == b.fraction && a.shape.index < b.shape.index);
 }
 
+/// Whether a query passes a shape that is one_way, which it meets by a normal out of it.
+template <class Plan>
+bool passes([[maybe_unused]] const shape_record<Plan>& shape, [[maybe_unused]] const query_filter& filter,
+            [[maybe_unused]] const vec<typename Plan::scalar, Plan::dimension>& normal) {
+    if constexpr (Plan::has_contact_rule)
+        return filter.one_way && shape.one_way && !one_way_platforms::is_above(shape.pose, normal);
+    else return false;
+}
+/// Whether it does as it is in that as deep.
+template <class Plan>
+bool passes_within([[maybe_unused]] const state<Plan>& s, [[maybe_unused]] const shape_record<Plan>& shape,
+                   [[maybe_unused]] const query_filter& filter, [[maybe_unused]] typename Plan::scalar separation) {
+    if constexpr (Plan::has_contact_rule)
+        return filter.one_way && shape.one_way && !one_way_platforms::is_outside(separation, s.settings.contact_margin);
+    else return false;
+}
+
+/// The separation of any shape and a convex one, if it is at most `reach`; else more than that.
+template <class A, class B, class S, int D>
+closest_points<S, D> separation_within(const A& a, const B& b, const transform<S, D>& b_in_a, S reach) {
+    if constexpr (has_parts<A, D>) return separation(a, b, b_in_a, reach);
+    else return separation(a, b, b_in_a);
+}
+
 template <class Plan, class Shape>
 world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
     const state<Plan>& s, const Shape& shape, const transform<typename Plan::scalar, Plan::dimension>& pose,
@@ -169,18 +193,17 @@ world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
             const auto hit = cast_shape(other, shape, relative(at, pose), inverse_rotate(at.rotation, translation));
             const world_hit<S, D> found{id_of_shape(s, i), body_of_shape(s, i), hit.fraction, at * hit.point,
                                         at.rotation * hit.normal};
-            if (hit && comes_first(found, first)) first = found;
+            if (!hit || !comes_first(found, first) || passes(s.shapes[i], filter, found.normal)) return;
+            if constexpr (Plan::has_contact_rule)
+                if (filter.one_way && s.shapes[i].one_way && !(hit.fraction > S(0)) &&
+                    passes_within(s, s.shapes[i], filter,
+                                  separation_within(other, shape, relative(at, pose), S(0)).distance))
+                    return;
+            first = found;
         });
         return first ? first.fraction : S(1);
     });
     return first;
-}
-
-/// The separation of any shape and a convex one, if it is at most `reach`; else more than that.
-template <class A, class B, class S, int D>
-closest_points<S, D> separation_within(const A& a, const B& b, const transform<S, D>& b_in_a, S reach) {
-    if constexpr (has_parts<A, D>) return separation(a, b, b_in_a, reach);
-    else return separation(a, b, b_in_a);
 }
 
 /// Calls found(shape's number) for shapes that a shape touches, in any order; it must not change the world.
@@ -250,6 +273,7 @@ void collide_shape(const state<Plan>& s, const typename Plan::shape& shape,
             shape_contact<S, D> c{
                 id_of_shape(s, i), body_of_shape(s, i), part, is_first ? normal : -normal, {}, m.count};
             for (int k = 0; k < m.count; ++k) c.points[k] = {at_a * m.points[k].position, m.points[k].separation};
+            if (passes(other, filter, c.normal) || passes_within(s, other, filter, c.separation())) continue;
             to.push_back(c);
         }
     });

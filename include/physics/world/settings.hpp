@@ -86,6 +86,9 @@ struct shape_def {
     collision_filter filter = {};
     /// True if it stops nothing and has no mass, but tells what is in it, in recipes that name event::sensor.
     bool sensor = false;
+    /// True if it holds only what comes from its upper side, the y axis of its frame, in recipes that name
+    /// one_way_platforms or another contact rule that asks for it.
+    bool one_way = false;
     std::uint64_t user_data = 0;
 };
 template <class S, int D>
@@ -94,7 +97,7 @@ struct shape_def<S, D, false> {
     physics::rotation<S, D> rotation = {};
     S density = S(1);
     collision_filter filter = {};
-    bool sensor = false;
+    bool sensor = false, one_way = false;
     std::uint64_t user_data = 0;
 };
 
