@@ -34485,11 +34485,11 @@ private:
             if (!touches[k] && member(k).has_external_force()) free_[free_count_++] = k;
     }
     /// Free bodies get the whole impulse of a user force in the first substep: spread over substeps, explicit user
-    /// springs would gain energy.
+    /// springs would gain energy. With it they get that of gravity: else what a force holds up would rest at a speed.
     void set_free_forces(S share) {
         for (std::uint32_t n = 0; n < free_count_; ++n) {
             const std::uint32_t k = free_[n];
-            moving_[k].acceleration = in_.settings.gravity * member(k).gravity_scale;
+            moving_[k].acceleration = in_.settings.gravity * (member(k).gravity_scale * share);
             if constexpr (rotates) moving_[k].angular_acceleration = {};
             if (share > S(0)) add_force(k, share);
         }
@@ -39738,6 +39738,8 @@ public:
     using contact_view = physics::contact_view<scalar, dimension>;
     using material_type = physics::material<scalar, dimension>;
     using any_shape = typename plan::shape;
+    /// The kinds of joints of the recipe.
+    using joint_list = typename plan::joints;
     using world_hit = physics::world_hit<scalar, dimension>;
     using closest_hit = physics::closest_hit<scalar, dimension>;
     using shape_contact = physics::shape_contact<scalar, dimension>;
@@ -40386,6 +40388,436 @@ private:
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/kit/fields.hpp
+// =================================================================================================
+// Fields and explosions: what acts on bodies by where they are and how they move.
+
+PHYSICS_HPP_BEGIN
+
+/// Gravity towards a point, as that of a planet: greatest at its surface, by the square of the distance outside, in
+/// proportion to it inside.
+template <class S, int D>
+struct gravity_well {
+    vec<S, D> center = {};
+    /// Of the planet (m), and the acceleration at its surface (m/s^2); negative pushes away.
+    S radius = S(1);
+    S acceleration = S(10);
+};
+
+/// Air that moves, and slows down by the square of the speed what moves in it.
+template <class S, int D>
+struct wind {
+    /// How fast the air moves (m/s).
+    vec<S, D> velocity = {};
+    /// Half the density of the air, times a drag coefficient (kg/m^3; in 2D kg/m^2).
+    S drag = S(0.6);
+};
+
+/// An explosion: an impulse on each side that faces it.
+template <class S, int D>
+struct explosion {
+    vec<S, D> center = {};
+    /// Within this distance it acts in full, and less and less to nothing over the falloff behind it (m).
+    S radius = S(1);
+    S falloff = S(1);
+    /// What each square metre that faces the centre is given, in 2D each metre (N s); negative: an implosion.
+    S impulse = S(1);
+    /// Which shapes it meets; those of static and kinematic bodies it leaves alone.
+    query_filter filter = {};
+};
+
+namespace detail {
+
+/// What a box shows of itself to one who looks along a unit vector (m^2, in 2D m).
+template <class S>
+S area_facing(const aabb<S, 2>& box, const vec<S, 2>& along) {
+    const vec<S, 2> size = box.upper - box.lower, n = abs(along);
+    return size.x * n.y + size.y * n.x;
+}
+template <class S>
+S area_facing(const aabb<S, 3>& box, const vec<S, 3>& along) {
+    const vec<S, 3> size = box.upper - box.lower, n = abs(along);
+    return size.y * size.z * n.x + size.z * size.x * n.y + size.x * size.y * n.z;
+}
+/// Around all shapes of a body that are no sensors; false if there are none.
+template <class World>
+bool bounds_of_body(const World& w, body_id id, aabb<typename World::scalar, World::dimension>& box) {
+    bool any = false;
+    for (const shape_id shape : w.shapes(id)) {
+        if (w.is_sensor(shape)) continue;
+        const auto pose = w.pose(id) * w.local_pose(shape);
+        const auto own = w.shape(shape).visit([&](const auto& s) { return bounds(s, pose); });
+        box = any ? merged(box, own) : own;
+        any = true;
+    }
+    return any;
+}
+/// How fast a body will be after a step of dt seconds if nothing but the world's gravity acts on it.
+template <class World, class S>
+auto velocity_after(const World& w, body_id b, S dt) {
+    return w.linear_velocity(b) + w.settings().gravity * (w.gravity_scale(b) * dt);
+}
+/// Calls f(body) for the dynamic bodies that are awake.
+template <class World, class F>
+void each_awake(World& w, F&& f) {
+    for (const body_id b : w.bodies())
+        if (w.type(b) == body_type::dynamic_body && !w.is_asleep(b)) f(b);
+}
+
+}  // namespace detail
+
+/// Pulls all bodies that are awake, in the next step, towards the centre: call it before each. What sleeps it lets
+/// sleep; wake it where the field changes. Refuses a radius that is not positive. O(bodies).
+template <class World>
+void apply_gravity_well(World& w, const gravity_well<typename World::scalar, World::dimension>& well) {
+    using S = typename World::scalar;
+    const char* f = "apply_gravity_well";
+    if (!detail::check_in_range(f, "center", well.center) || !detail::check_positive(f, "radius", well.radius) ||
+        !detail::check_in_range(f, "acceleration", well.acceleration))
+        return;
+    detail::scoped([&] {
+        detail::each_awake(w, [&](body_id b) {
+            const auto [direction, distance] = direction_and_length_of(well.center - w.center_of_mass(b));
+            const S part = distance > well.radius ? well.radius / distance : distance / well.radius;
+            const S factor = distance > well.radius ? part * part : part;
+            w.apply_force(b, direction * (well.acceleration * factor * w.gravity_scale(b) * w.mass(b).mass));
+        });
+    });
+}
+
+/// Blows on all bodies that are awake, in a next step of dt seconds: call it before each. The force is drag times the
+/// area of the body's box that faces the wind times the square of the speed against it; no step is so long that it
+/// turns a body around. What sleeps it lets sleep. Refuses a negative drag. O(bodies + shapes).
+template <class World>
+void apply_wind(World& w, const wind<typename World::scalar, World::dimension>& of, typename World::scalar dt) {
+    using S = typename World::scalar;
+    const char* f = "apply_wind";
+    if (!detail::check_in_range(f, "velocity", of.velocity) || !detail::check_not_negative(f, "drag", of.drag) ||
+        !detail::check_positive(f, "dt", dt))
+        return;
+    detail::scoped([&] {
+        detail::each_awake(w, [&](body_id b) {
+            aabb<S, World::dimension> box;
+            // By the speed at the end of the step, so that no step is too long: u + a u^2 = what it is without wind.
+            const auto [direction, speed] = direction_and_length_of(of.velocity - detail::velocity_after(w, b, dt));
+            if (!(speed > S(0)) || !detail::bounds_of_body(w, b, box)) return;
+            const S drag = of.drag * detail::area_facing(box, direction), a = drag * dt / w.mass(b).mass;
+            const S then = S(2) * speed / (S(1) + physics::sqrt(S(1) + S(4) * a * speed));
+            w.apply_force(b, direction * (drag * then * then));
+        });
+    });
+}
+
+/// Throws what is near at once, from the centre outwards at the nearest point of each shape, so that it spins too, and
+/// wakes it. A shape about the centre is thrown from its middle. The area that faces the centre is that of the shape's
+/// box. Refuses negative lengths. Cost: that of each_overlapping, and of a distance for each shape.
+template <class World>
+void explode(World& w, const explosion<typename World::scalar, World::dimension>& of) {
+    using S = typename World::scalar;
+    constexpr int D = World::dimension;
+    const char* f = "explode";
+    if (!detail::check_in_range(f, "center", of.center) || !detail::check_not_negative(f, "radius", of.radius) ||
+        !detail::check_not_negative(f, "falloff", of.falloff) || !detail::check_in_range(f, "impulse", of.impulse))
+        return;
+    const S reach = of.radius + of.falloff;
+    if (!(reach > S(0))) return;
+    w.each_overlapping(ball<S, D>{reach}, {of.center, {}}, of.filter, [&](shape_id shape) {
+        const body_id b = w.body(shape);
+        if (w.type(b) != body_type::dynamic_body || w.is_sensor(shape)) return;
+        detail::scoped([&] {
+            const auto pose = w.pose(b) * w.local_pose(shape);
+            w.shape(shape).visit([&](const auto& s) {
+                const auto c = detail::separation_within(s, detail::point_shape<S, D>{},
+                                                         relative(pose, transform<S, D>{of.center, {}}), reach);
+                const bool is_inside = !(c.distance > S(0));
+                const auto away = is_inside ? w.center_of_mass(b) - of.center : -(pose.rotation * c.normal);
+                const auto direction = normalized(away);
+                const S beyond = c.distance - of.radius;
+                const S part =
+                    beyond > S(0) ? (of.falloff > S(0) ? max(S(1) - beyond / of.falloff, S(0)) : S(0)) : S(1);
+                const S size = of.impulse * part * detail::area_facing(bounds(s, pose), direction);
+                w.apply_impulse_at(b, direction * size, is_inside ? w.center_of_mass(b) : pose * c.on_a);
+            });
+        });
+    });
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/kit/buoyancy.hpp
+// =================================================================================================
+// Water: what bodies displace of it lifts them.
+
+PHYSICS_HPP_BEGIN
+
+/// Water below a plane.
+template <class S, int D>
+struct water {
+    /// Unit vector out of the water, and the height of its surface along that (m).
+    vec<S, D> up = upwards();
+    S height = S(0);
+    /// kg/m^3, in 2D kg/m^2.
+    S density = S(1000);
+    /// How fast it flows (m/s), and the rate (1/s) at which what it displaces takes over its speed.
+    vec<S, D> velocity = {};
+    S drag = S(2);
+
+private:
+    static constexpr vec<S, D> upwards() {
+        vec<S, D> v;
+        v.y = S(1);
+        return v;
+    }
+};
+
+namespace detail {
+
+/// Of a solid, what is below a plane: its volume (in 2D its area), and the integral of places over it.
+template <int D>
+struct displaced {
+    double volume = 0;
+    point<D> first;
+
+    void add(double size, const point<D>& at) {
+        volume += size;
+        first += at * size;
+    }
+};
+
+/// Sums what is below a plane over pieces with cores. Places are relative to a point of the plane, so that the piece's
+/// cut in it adds nothing to the divergence theorem's sum over its faces.
+template <int D>
+class displacement {
+public:
+    /// The plane goes through the origin of places.
+    explicit displacement(const point<D>& up) : up_(up) {}
+
+    void add(const core<D>& c, const mat<double, D>& axes, const point<D>& at) {
+        const auto place = [&](const point<D>& p) { return axes * p + at; };
+        switch (c.kind) {
+            case core_kind::point: return add_round(place(c.corner[0]), perpendicular(up_), 0, 0, 0, c.radius);
+            case core_kind::segment: {
+                const auto [axis, size] = direction_and_length_of(place(c.corner[1]) - place(c.corner[0]));
+                return add_round((place(c.corner[0]) + place(c.corner[1])) * 0.5, size > 0 ? axis : perpendicular(up_),
+                                 size * 0.5, 0, 0, c.radius);
+            }
+            case core_kind::disc: {
+                point<D> x;
+                x.x = 1;
+                return add_round(at, axes * x, c.corner[0].x, c.corner[0].y, c.corner[0][D - 1], c.radius);
+            }
+            case core_kind::hull_of_floats: return add_faces(*static_cast<const hull_data<float, D>*>(c.data), place);
+            case core_kind::hull_of_doubles: return add_faces(*static_cast<const hull_data<double, D>*>(c.data), place);
+            case core_kind::box: return add_box(c.corner[0], place);
+            case core_kind::triangle: {
+                if constexpr (D == 2)
+                    for (int i = 0; i < 3; ++i) add_edge(place(c.corner[i]), place(c.corner[(i + 1) % 3]));
+                return;
+            }
+            case core_kind::custom: {
+                // Something between its supports along the axes.
+                point<D> half, middle;
+                for (int i = 0; i < D; ++i) {
+                    point<D> d;
+                    d[i] = 1;
+                    const double high = c.support(d).at[i], low = c.support(-d).at[i];
+                    half[i] = (high - low) * 0.5;
+                    middle[i] = (high + low) * 0.5;
+                }
+                return add_box(half, [&](const point<D>& p) { return place(p + middle); });
+            }
+        }
+    }
+    [[nodiscard]] const displaced<D>& below() const { return below_; }
+    /// The same of the whole solid.
+    [[nodiscard]] const displaced<D>& whole() const { return whole_; }
+
+private:
+    /// A side that a polygon has, counter-clockwise.
+    void add_edge(point<D> a, point<D> b) {
+        if constexpr (D == 2) {
+            add_triangle(whole_, a, b);
+            const double height_a = dot(up_, a), height_b = dot(up_, b);
+            if (height_a > 0 && height_b > 0) return;
+            if (height_a > 0) a += (b - a) * (height_a / (height_a - height_b));
+            else if (height_b > 0) b += (a - b) * (height_b / (height_b - height_a));
+            add_triangle(below_, a, b);
+        }
+    }
+    static void add_triangle(displaced<D>& to, const point<D>& a, const point<D>& b) {
+        if constexpr (D == 2) to.add(0.5 * cross(a, b), (a + b) / 3.0);
+    }
+    /// A face of a polyhedron, whose corner(i) follow each other counter-clockwise as seen from outside.
+    template <class Corner>
+    void add_face(std::uint32_t count, Corner&& corner) {
+        point<D> first, last;
+        bool has_first = false, has_last = false;
+        const auto add = [&](const point<D>& p) {
+            if (!has_first) first = p;
+            else if (has_last) add_tetrahedron(below_, first, last, p);
+            has_last = has_first;
+            has_first = true;
+            last = p;
+        };
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const point<D> a = corner(i), b = corner(i + 1 < count ? i + 1 : 0);
+            if (i > 0 && i + 1 < count) add_tetrahedron(whole_, corner(0), a, b);
+            const double height_a = dot(up_, a), height_b = dot(up_, b);
+            if (!(height_a > 0)) add(a);
+            if ((height_a > 0) != (height_b > 0)) add(a + (b - a) * (height_a / (height_a - height_b)));
+        }
+    }
+    static void add_tetrahedron(displaced<D>& to, const point<D>& a, const point<D>& b, const point<D>& c) {
+        if constexpr (D == 3) to.add(dot(a, cross(b, c)) / 6, (a + b + c) / 4.0);
+    }
+    template <class Hull, class Place>
+    void add_faces(const Hull& hull, Place&& place) {
+        for (std::uint32_t f = 0; f < hull.face_count; ++f) {
+            const std::uint16_t* const corners = hull.face_vertices() + hull.face_begin(f);
+            const auto corner = [&](std::uint32_t i) { return place(hull.exact_vertex(corners[i])); };
+            if constexpr (D == 2) add_edge(corner(0), corner(1));
+            else add_face(hull.face_end(f) - hull.face_begin(f), corner);
+        }
+    }
+    template <class Place>
+    void add_box(const point<D>& half, Place&& place) {
+        // Corners of a rectangle, counter-clockwise.
+        constexpr double first[] = {-1, 1, 1, -1}, second[] = {-1, -1, 1, 1};
+        if constexpr (D == 2) {
+            const auto corner = [&](int i) { return place(point<D>{half.x * first[i % 4], half.y * second[i % 4]}); };
+            for (int i = 0; i < 4; ++i) add_edge(corner(i), corner(i + 1));
+        } else {
+            for (int axis = 0; axis < D; ++axis)
+                for (const double side : {1.0, -1.0})
+                    add_face(4, [&](std::uint32_t i) {
+                        const int k = (axis + 1) % D, l = (axis + 2) % D;
+                        point<D> p;
+                        p[axis] = half[axis] * side;
+                        p[k] = half[k] * first[i] * side;
+                        p[l] = half[l] * second[i];
+                        return place(p);
+                    });
+        }
+    }
+    /// A round solid, by slices across its axis: a frustum of these radii at -half and half, and all within a rounding
+    /// of it.
+    void add_round(const point<D>& middle, const point<D>& axis, double half, double low, double high,
+                   double rounding) {
+        constexpr int slices = 64;
+        const double reach = half + rounding, width = 2 * reach / slices;
+        const point<D> aside = up_ - axis * dot(up_, axis);
+        const double steep = length(aside);
+        const point<D> rise = steep > 1e-9 ? aside / steep : point<D>{};
+        for (int i = 0; i < slices; ++i) {
+            const double x = (i + 0.5) * width - reach, beyond = physics::abs(x) - half;
+            const double along = half > 0 ? min(max(x / half, -1.0), 1.0) : 0;
+            double radius = (low + high) * 0.5 + (high - low) * 0.5 * along;
+            radius += beyond > 0 ? physics::sqrt(max(rounding * rounding - beyond * beyond, 0.0)) : rounding;
+            const point<D> at = middle + axis * x;
+            const double height = dot(up_, at);
+            // How far the slice reaches on the side of the water, from its middle.
+            const double to = steep > 1e-9 ? min(max(-height / steep, -radius), radius) : height > 0 ? -radius : radius;
+            const double rest = physics::sqrt(max(radius * radius - to * to, 0.0));
+            if constexpr (D == 2) {
+                whole_.add(2 * radius * width, at);
+                below_.add((to + radius) * width, at);
+                below_.first += rise * ((to * to - radius * radius) * 0.5 * width);
+            } else {
+                const double turn = radius > 0 ? physics::acos(min(max(-to / radius, -1.0), 1.0)) : 0;
+                whole_.add(pi<double> * radius * radius * width, at);
+                below_.add((radius * radius * turn + to * rest) * width, at);
+                below_.first += rise * (-2.0 / 3 * rest * rest * rest * width);
+            }
+        }
+    }
+
+    point<D> up_;
+    displaced<D> below_, whole_;
+};
+
+/// What a shape at a pose displaces of water: volume, and centre if that is not 0. By its exact volume, in the parts of
+/// its pieces.
+template <class Shape, class S, int D>
+displaced<D> displaced_by(const Shape& shape, const transform<S, D>& pose, const water<S, D>& of) {
+    const point<D> up = unit(to_point(of.up)), at = to_point(pose.position);
+    const double height = dot(up, at) - to_double(of.height);
+    // Places are relative to the point of the surface below it.
+    const point<D> origin = at - up * height;
+    const mat<double, D> axes = to_matrix(pose.rotation);
+    displacement<D> sum(up);
+    if constexpr (requires { shape.geometry->children; }) {
+        for (std::uint32_t i = 0; i < shape.geometry->children.size(); ++i) {
+            const auto& c = shape.geometry->children[i];
+            sum.add(c.shape, axes * c.axes, axes * c.at + up * height);
+        }
+    } else if constexpr (has_core<Shape>) {
+        sum.add(core_of(shape), axes, up * height);
+    }
+    displaced<D> below = sum.below();
+    if (!(below.volume > 0) || !(sum.whole().volume > 0)) return {};
+    below.first = below.first / below.volume + origin;
+    if constexpr (requires { mass_of(shape, S(1)); })
+        below.volume *= to_double(mass_of(shape, S(1)).mass) / sum.whole().volume;
+    return below;
+}
+
+}  // namespace detail
+
+/// Lifts all bodies that are awake, in a next step of dt seconds, by the weight of the water that they displace, and
+/// slows them down in it: call it before each step. What sleeps it lets sleep: wake it where the water rises; what
+/// floats on nothing else stays awake. Exact for boxes, hulls, triangles and their compounds; round shapes by 64
+/// slices, to 1 %; what is rounded by its core. No step is so long that drag turns a body around. Refuses an up that is
+/// no unit vector, and negative numbers. O(bodies + shapes), and 1 to 5 us for each shape near the surface.
+template <class World>
+void apply_buoyancy(World& w, const water<typename World::scalar, World::dimension>& of, typename World::scalar dt) {
+    using S = typename World::scalar;
+    constexpr int D = World::dimension;
+    const char* f = "apply_buoyancy";
+    if (!detail::check_in_range(f, "up", of.up) || !detail::check_in_range(f, "height", of.height) ||
+        !detail::check_not_negative(f, "density", of.density) || !detail::check_in_range(f, "velocity", of.velocity) ||
+        !detail::check_not_negative(f, "drag", of.drag) || !detail::check_positive(f, "dt", dt))
+        return;
+    if (const double size = detail::to_double(length(of.up)); !(size > 0.999 && size < 1.001)) {
+        detail::refuse(f, "length of up", size, "it must be 1, to less than 0.001");
+        return;
+    }
+    detail::scoped([&] {
+        const auto gravity = w.settings().gravity;
+        detail::each_awake(w, [&](body_id b) {
+            S water_mass = S(0);
+            vec<S, D> center;
+            for (const shape_id shape : w.shapes(b)) {
+                if (w.is_sensor(shape)) continue;
+                const auto pose = w.pose(b) * w.local_pose(shape);
+                const auto own = w.shape(shape).visit([&](const auto& s) { return detail::displaced_by(s, pose, of); });
+                if (!(own.volume > 0)) continue;
+                const S mass = of.density * static_cast<S>(own.volume);
+                const vec<S, D> at = detail::from_point<S>(own.first);
+                w.apply_force_at(b, gravity * -mass, at);
+                water_mass += mass;
+                center += (at - center) * (mass / water_mass);
+            }
+            if (!(water_mass > S(0))) return;
+            const auto body = w.mass(b);
+            // By the speed at the end of the step, so that no step is too long.
+            const S rate = of.drag * water_mass, slowed = rate / (S(1) + rate * dt / body.mass);
+            const vec<S, D> gained = gravity * ((w.gravity_scale(b) - water_mass / body.mass) * dt);
+            w.apply_force_at(b, (of.velocity - w.velocity_at(b, center) - gained) * slowed, center);
+            if constexpr (requires { w.apply_torque(b, w.angular_velocity(b)); }) {
+                const auto spin = w.angular_velocity(b);
+                const S part = slowed / body.mass;
+                if constexpr (D == 2) w.apply_torque(b, spin * body.inertia * -part);
+                else
+                    w.apply_torque(b, w.rotation(b) * times(body.inertia, inverse_rotate(w.rotation(b), spin)) * -part);
+            }
+        });
+    });
+}
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/kit/character.hpp
 // =================================================================================================
 // A character: a shape that walks, steps, jumps and rides through a world by queries.
@@ -40782,6 +41214,319 @@ private:
     /// Whether it is still in something, and whether it knows no way out.
     bool is_in_ = false, is_stuck_ = false;
 };
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/kit/debug_draw.hpp
+// =================================================================================================
+// Debug drawing: what a world consists of, as points, lines and text for a renderer of the user's.
+
+PHYSICS_HPP_BEGIN
+
+/// What is drawn is coloured so.
+struct debug_color {
+    std::uint8_t red = 255, green = 255, blue = 255, alpha = 255;
+    friend bool operator==(debug_color, debug_color) = default;
+};
+
+/// What is drawn, and how.
+template <class S, int D>
+struct debug_draw_options {
+    /// Outlines of shapes, coloured by what their bodies do.
+    bool shapes = true;
+    /// Points that touch, their normals, and their impulses of the last step, so long for 1 N s (m).
+    bool contacts = false;
+    S impulse_scale = S(0.1);
+    /// From the centres of both bodies to where the joint acts.
+    bool joints = true;
+    /// Boxes of shapes, with what of the contact margin they are grown by.
+    bool boxes = false;
+    /// Centres of mass and axes of bodies; their velocities, so long for 1 m/s (m).
+    bool frames = false;
+    bool velocities = false;
+    S velocity_scale = S(0.1);
+    /// The numbers of bodies, where the renderer has text.
+    bool numbers = false;
+    /// Only what reaches into this box is drawn (m).
+    aabb<S, D> view = everything();
+    /// Into how many sides circles are cut.
+    int sides = 24;
+
+    debug_color of_static{128, 128, 128}, of_kinematic{64, 128, 255}, of_awake{255, 176, 64}, of_asleep{112, 96, 80},
+        of_sensor{96, 208, 96}, of_contact{255, 64, 64}, of_normal{255, 224, 64}, of_joint{208, 96, 208},
+        of_box{96, 96, 160}, of_velocity{96, 224, 224};
+
+private:
+    static constexpr aabb<S, D> everything() {
+        const S maximum = scalar_traits<S>::max();
+        return {vec<S, D>::filled(-maximum), vec<S, D>::filled(maximum)};
+    }
+};
+
+namespace detail {
+
+/// Draws with doubles, and hands on vectors of the world.
+template <class World, class Renderer>
+class debug_pen {
+public:
+    static constexpr int D = World::dimension;
+    using S = typename World::scalar;
+    using options_type = debug_draw_options<S, D>;
+
+    debug_pen(const World& w, Renderer& to, const options_type& with) : w_(w), to_(to), with_(with) {}
+
+    void draw() {
+        for (const body_id b : w_.bodies()) draw_body(b);
+        if constexpr (!std::same_as<joint_list, joints<>>)
+            if (with_.joints)
+                for (const joint_id j : w_.joints()) draw_joint(j, joint_list{});
+        if (!with_.contacts) return;
+        for (const auto& c : w_.contacts()) {
+            for (int k = 0; k < c.count; ++k) {
+                const auto& p = c.points[k];
+                if (!is_seen({p.position, p.position})) continue;
+                to_.point(p.position, c.touching ? with_.of_contact : with_.of_box);
+                const S size = p.normal_impulse * with_.impulse_scale;
+                to_.line(p.position, p.position + c.normal * max(size, S(0.05)), with_.of_normal);
+            }
+        }
+    }
+
+private:
+    using vec = typename World::vec;
+    using joint_list = typename World::joint_list;
+
+    [[nodiscard]] bool is_seen(const aabb<S, D>& box) const { return overlap(box, with_.view); }
+    [[nodiscard]] debug_color color_of(body_id b) const {
+        switch (w_.type(b)) {
+            case body_type::static_body: return with_.of_static;
+            case body_type::kinematic_body: return with_.of_kinematic;
+            default: return w_.is_asleep(b) ? with_.of_asleep : with_.of_awake;
+        }
+    }
+    void line(const point<D>& a, const point<D>& b) { to_.line(from_point<S>(a), from_point<S>(b), color_); }
+
+    void draw_body(body_id b) {
+        const debug_color color = color_of(b);
+        const vec center = w_.center_of_mass(b);
+        for (const shape_id id : w_.shapes(b)) {
+            const auto pose = w_.pose(b) * w_.local_pose(id);
+            color_ = w_.is_sensor(id) ? with_.of_sensor : color;
+            w_.shape(id).visit([&](const auto& shape) {
+                const auto box = bounds(shape, pose);
+                if (!is_seen(box)) return;
+                if (with_.shapes) draw_shape(shape, pose);
+                if (!with_.boxes) return;
+                color_ = with_.of_box;
+                box_lines(to_point((box.upper - box.lower) * S(0.5)), mat<double, D>::identity(),
+                          to_point(box.lower + (box.upper - box.lower) * S(0.5)));
+            });
+        }
+        if (!is_seen({center, center})) return;
+        if (with_.frames) {
+            to_.point(center, color);
+            for (int i = 0; i < D; ++i) {
+                vec axis;
+                axis[i] = S(0.25);
+                debug_color shade{0, 0, 0};
+                (i == 0 ? shade.red : i == 1 ? shade.green : shade.blue) = 255;
+                to_.line(w_.position(b), w_.position(b) + w_.rotation(b) * axis, shade);
+            }
+        }
+        if (with_.velocities && w_.type(b) != body_type::static_body)
+            to_.line(center, center + w_.linear_velocity(b) * with_.velocity_scale, with_.of_velocity);
+        if constexpr (requires { to_.text(center, "", color); })
+            if (with_.numbers) {
+                char digits[11];
+                char* at = digits + 10;
+                *at = 0;
+                std::uint32_t rest = b.index;
+                do *--at = static_cast<char>('0' + rest % 10);
+                while ((rest /= 10) != 0);
+                to_.text(center, static_cast<const char*>(at), color);
+            }
+    }
+
+    template <class Shape>
+    void draw_shape(const Shape& shape, const transform<S, D>& pose) {
+        const mat<double, D> axes = to_matrix(pose.rotation);
+        const point<D> at = to_point(pose.position);
+        if constexpr (is_halfspace<Shape>) {
+            // A stretch of its surface, and its normal.
+            const point<D> n = axes * to_point(shape.normal), p = at + n * to_double(shape.offset);
+            const point<D> t = perpendicular(n) * surface_reach;
+            if constexpr (D == 2) {
+                line(p - t, p + t);
+            } else {
+                const point<D> u = cross(n, t);
+                line(p - t, p + t);
+                line(p - u, p + u);
+            }
+            line(p, p + n);
+        } else if constexpr (has_core<Shape>) {
+            draw_core(core_of(shape), axes, at);
+        } else {
+            each_piece(
+                shape, view_in(axes, at), [](const auto&) { return true; },
+                [&](const core<D>& piece, const mat<double, D>& turned, const point<D>& where, std::uint32_t) {
+                    draw_core(piece, axes * turned, axes * where + at);
+                });
+        }
+    }
+    /// The view in the axes of a shape.
+    [[nodiscard]] aabb<double, D> view_in(const mat<double, D>& axes, const point<D>& at) const {
+        const aabb<double, D> view{to_point(with_.view.lower), to_point(with_.view.upper)};
+        const point<D> middle = transposed_times(axes, (view.lower + view.upper) * 0.5 - at),
+                       half = (view.upper - view.lower) * 0.5;
+        point<D> reach;
+        for (int i = 0; i < D; ++i)
+            for (int k = 0; k < D; ++k) reach[i] += abs(axes.column[i][k]) * half[k];
+        return {middle - reach, middle + reach};
+    }
+
+    void draw_core(const core<D>& c, const mat<double, D>& axes, const point<D>& at) {
+        const auto place = [&](const point<D>& p) { return axes * p + at; };
+        switch (c.kind) {
+            case core_kind::point:
+                circles(place(c.corner[0]), axes, c.radius);
+                // How it is turned.
+                return line(place(c.corner[0]), place(c.corner[0]) + axes.column[0] * c.radius);
+            case core_kind::segment: return draw_capsule(place(c.corner[0]), place(c.corner[1]), c.radius);
+            case core_kind::triangle:
+                for (int i = 0; i < 3; ++i) line(place(c.corner[i]), place(c.corner[(i + 1) % 3]));
+                return;
+            case core_kind::box: return box_lines(c.corner[0] + point<D>::filled(c.radius), axes, at);
+            case core_kind::disc: return draw_frustum(c, axes, at);
+            case core_kind::hull_of_floats: return draw_hull(*static_cast<const hull_data<float, D>*>(c.data), place);
+            case core_kind::hull_of_doubles: return draw_hull(*static_cast<const hull_data<double, D>*>(c.data), place);
+            case core_kind::custom: return draw_custom(c, axes, at);
+        }
+    }
+    /// One circle in 2D, one about each axis in 3D.
+    void circles(const point<D>& middle, const mat<double, D>& axes, double radius) {
+        for (int i = 0; i < (D == 2 ? 1 : 3); ++i)
+            circle(middle, axes.column[(i + 1) % D] * radius, axes.column[(i + 2) % D] * (D == 2 ? -radius : radius));
+    }
+    void circle(const point<D>& middle, const point<D>& x, const point<D>& y) { arc(middle, x, y, with_.sides); }
+    /// From x towards y, by so many of the sides of a circle.
+    void arc(const point<D>& middle, const point<D>& x, const point<D>& y, int sides) {
+        point<D> last = middle + x;
+        for (int i = 1; i <= sides; ++i) {
+            const auto [s, c] = sine_cosine(2 * pi<double> * i / with_.sides);
+            const point<D> next = middle + x * c + y * s;
+            line(last, next);
+            last = next;
+        }
+    }
+    void draw_capsule(const point<D>& from, const point<D>& to, double radius) {
+        if (!(radius > 0)) return line(from, to);
+        const point<D> out = normalized(to - from) * radius;
+        point<D> sides[] = {perpendicular(normalized(out)) * radius, {}};
+        if constexpr (D == 3) sides[1] = cross(normalized(out), sides[0]);
+        for (int i = 0; i < D - 1; ++i) {
+            arc(from, -sides[i], -out, with_.sides / 2);
+            arc(to, sides[i], out, with_.sides / 2);
+            for (const double s : {1.0, -1.0}) line(from + sides[i] * s, to + sides[i] * s);
+        }
+        if constexpr (D == 3)
+            for (const auto& end : {from, to}) circle(end, sides[0], sides[1]);
+    }
+    void box_lines(const point<D>& half, const mat<double, D>& axes, const point<D>& at) {
+        for (int axis = 0; axis < D; ++axis)
+            for (int i = 0; i < 1 << D; ++i) {
+                if ((i >> axis & 1) != 0) continue;
+                point<D> from;
+                for (int k = 0; k < D; ++k) from[k] = (i >> k & 1) != 0 ? half[k] : -half[k];
+                point<D> to = from;
+                to[axis] = -from[axis];
+                line(axes * from + at, axes * to + at);
+            }
+    }
+    void draw_frustum(const core<D>& c, const mat<double, D>& axes, const point<D>& at) {
+        if constexpr (D == 3) {
+            const point<D> along = axes.column[0] * (c.corner[0].x + c.radius);
+            const double low = c.corner[0].y + c.radius, high = c.corner[0].z + c.radius;
+            circle(at - along, axes.column[1] * low, axes.column[2] * low);
+            circle(at + along, axes.column[1] * high, axes.column[2] * high);
+            for (const double s : {1.0, -1.0})
+                for (int i = 1; i < 3; ++i)
+                    line(at - along + axes.column[i] * (low * s), at + along + axes.column[i] * (high * s));
+        }
+    }
+    template <class Hull, class Place>
+    void draw_hull(const Hull& hull, Place&& place) {
+        for (std::uint32_t f = 0; f < hull.face_count; ++f) {
+            const std::uint32_t first = hull.face_begin(f), count = hull.face_end(f) - first;
+            for (std::uint32_t i = 0; i < count; ++i) {
+                const std::uint32_t a = hull.face_vertices()[first + i],
+                                    b = hull.face_vertices()[first + (i + 1 < count ? i + 1 : 0)];
+                // Of both faces at an edge one draws it; in 2D a face is an edge.
+                if (D == 2 ? i == 0 : a < b) line(place(hull.exact_vertex(a)), place(hull.exact_vertex(b)));
+            }
+        }
+    }
+    /// Its outlines as seen along its axes.
+    void draw_custom(const core<D>& c, const mat<double, D>& axes, const point<D>& at) {
+        for (int axis = 0; axis < (D == 2 ? 1 : 3); ++axis) {
+            point<D> last;
+            for (int i = 0; i <= with_.sides; ++i) {
+                const auto [s, o] = sine_cosine(2 * pi<double> * i / with_.sides);
+                point<D> d;
+                d[(axis + 1) % D] = o;
+                d[(axis + 2) % D] = s;
+                const point<D> next = axes * (c.support(d).at + d * c.radius) + at;
+                if (i > 0) line(last, next);
+                last = next;
+            }
+        }
+    }
+
+    template <template <class, int> class... Kinds>
+    void draw_joint(joint_id j, joints<Kinds...>) {
+        (draw_joint_of<Kinds<S, D>>(j), ...);
+    }
+    template <class Joint>
+    void draw_joint_of(joint_id id) {
+        if (!w_.template is_joint<Joint>(id)) return;
+        const auto joint = w_.template joint<Joint>(id);
+        const body_id a = w_.body_a(id), b = w_.body_b(id);
+        vec at_a = w_.center_of_mass(a), at_b = w_.center_of_mass(b);
+        if constexpr (requires { joint.frame_a.position; }) at_a = w_.pose(a) * joint.frame_a.position;
+        else if constexpr (requires { joint.anchor_a; }) at_a = w_.pose(a) * joint.anchor_a;
+        if constexpr (requires { joint.frame_b.position; }) at_b = w_.pose(b) * joint.frame_b.position;
+        else if constexpr (requires { joint.anchor_b; }) at_b = w_.pose(b) * joint.anchor_b;
+        if (!is_seen(merged(aabb<S, D>{min(at_a, at_b), max(at_a, at_b)}, aabb<S, D>{at_a, at_a}))) return;
+        to_.point(at_a, with_.of_joint);
+        to_.point(at_b, with_.of_joint);
+        to_.line(at_a, at_b, with_.of_joint);
+        if (w_.type(a) != body_type::static_body) to_.line(w_.center_of_mass(a), at_a, with_.of_joint);
+        if (w_.type(b) != body_type::static_body) to_.line(w_.center_of_mass(b), at_b, with_.of_joint);
+    }
+
+    /// How much of the surface of a halfspace is drawn (m).
+    static constexpr double surface_reach = 100;
+
+    const World& w_;
+    Renderer& to_;
+    const options_type& with_;
+    debug_color color_;
+};
+
+}  // namespace detail
+
+/// Draws a world by calls of renderer.point(at, color) and renderer.line(from, to, color), and, where it has that,
+/// renderer.text(at, characters, color), with vectors of the world. Refuses fewer than 3 sides. Reads only. O(bodies +
+/// shapes + contacts + joints).
+template <class World, class Renderer>
+void debug_draw(const World& w, Renderer&& renderer,
+                const debug_draw_options<typename World::scalar, World::dimension>& with = {}) {
+    if (with.sides < 3) {
+        detail::refuse("debug_draw", "sides", with.sides, "it must be at least 3");
+        return;
+    }
+    detail::scoped([&] { detail::debug_pen(w, renderer, with).draw(); });
+}
 
 PHYSICS_HPP_END
 

@@ -360,7 +360,10 @@
 #include "physics/loop/accumulator.hpp"
 
 // What games build on a world.
+#include "physics/kit/buoyancy.hpp"
 #include "physics/kit/character.hpp"
+#include "physics/kit/debug_draw.hpp"
+#include "physics/kit/fields.hpp"
 
 // Threads: apart, as <thread> and <atomic> take longer to compile than all of the above.
 #if defined(PHYSICS_HPP_THREADS)

@@ -228,6 +228,24 @@ CELL_CASE("bodies: torques turn, forces add up, and both can be taken back befor
     CHECK(w.angular_velocity(id) == angular{});
 }
 
+CELL_CASE("bodies: what a force holds up rests where it is at no speed, whatever steps are made of") {
+    if constexpr (requires(world::settings_type settings) { settings.solver.substeps; }) {
+        for (const int substeps : {1, 2, 4, 8, 64})
+            for (const double step : {1.0 / 32, 1.0 / 64, 1.0 / 1024}) {
+                world::settings_type settings{.gravity = along(1, -8)};
+                settings.solver.substeps = substeps;
+                world w(settings);
+                const body_id id = add_ball(w, at(0, 2));
+                for (int i = 0; i < 100; ++i) {
+                    w.apply_force(id, along(1, 8 * number(w.mass(id).mass)));
+                    w.step(S(step));
+                    CHECK(gap(w.linear_velocity(id), vec{}) <= rounding(100));
+                    CHECK(gap(w.position(id), at(0, 2)) <= rounding(1000));
+                }
+            }
+    }
+}
+
 CELL_CASE("bodies: nothing but gravity, by its scale, moves what is left alone") {
     for (const double scale : {1.0, 0.0, -2.0, 0.5}) {
         world::settings_type settings;

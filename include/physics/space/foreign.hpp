@@ -1,6 +1,10 @@
 // Vectors of other libraries: what they look like, so that none of them is included.
 #pragma once
 
+#include <concepts>
+#include <type_traits>
+#include <utility>
+
 #include "physics/base/config.hpp"
 
 PHYSICS_HPP_BEGIN

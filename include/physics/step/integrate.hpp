@@ -209,11 +209,11 @@ private:
             if (!touches[k] && member(k).has_external_force()) free_[free_count_++] = k;
     }
     /// Free bodies get the whole impulse of a user force in the first substep: spread over substeps, explicit user
-    /// springs would gain energy.
+    /// springs would gain energy. With it they get that of gravity: else what a force holds up would rest at a speed.
     void set_free_forces(S share) {
         for (std::uint32_t n = 0; n < free_count_; ++n) {
             const std::uint32_t k = free_[n];
-            moving_[k].acceleration = in_.settings.gravity * member(k).gravity_scale;
+            moving_[k].acceleration = in_.settings.gravity * (member(k).gravity_scale * share);
             if constexpr (rotates) moving_[k].angular_acceleration = {};
             if (share > S(0)) add_force(k, share);
         }

@@ -1,6 +1,7 @@
 // Continuous collision in a world: fast bodies are stopped where they would pass into something.
 #pragma once
 
+#include "physics/collide/time_of_impact.hpp"
 #include "physics/step/sweep_search.hpp"
 
 PHYSICS_HPP_BEGIN

@@ -47,6 +47,8 @@ public:
     using contact_view = physics::contact_view<scalar, dimension>;
     using material_type = physics::material<scalar, dimension>;
     using any_shape = typename plan::shape;
+    /// The kinds of joints of the recipe.
+    using joint_list = typename plan::joints;
     using world_hit = physics::world_hit<scalar, dimension>;
     using closest_hit = physics::closest_hit<scalar, dimension>;
     using shape_contact = physics::shape_contact<scalar, dimension>;

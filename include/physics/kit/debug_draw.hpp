@@ -1,0 +1,312 @@
+// Debug drawing: what a world consists of, as points, lines and text for a renderer of the user's.
+#pragma once
+
+#include "physics/world/world.hpp"
+
+PHYSICS_HPP_BEGIN
+
+/// What is drawn is coloured so.
+struct debug_color {
+    std::uint8_t red = 255, green = 255, blue = 255, alpha = 255;
+    friend bool operator==(debug_color, debug_color) = default;
+};
+
+/// What is drawn, and how.
+template <class S, int D>
+struct debug_draw_options {
+    /// Outlines of shapes, coloured by what their bodies do.
+    bool shapes = true;
+    /// Points that touch, their normals, and their impulses of the last step, so long for 1 N s (m).
+    bool contacts = false;
+    S impulse_scale = S(0.1);
+    /// From the centres of both bodies to where the joint acts.
+    bool joints = true;
+    /// Boxes of shapes, with what of the contact margin they are grown by.
+    bool boxes = false;
+    /// Centres of mass and axes of bodies; their velocities, so long for 1 m/s (m).
+    bool frames = false;
+    bool velocities = false;
+    S velocity_scale = S(0.1);
+    /// The numbers of bodies, where the renderer has text.
+    bool numbers = false;
+    /// Only what reaches into this box is drawn (m).
+    aabb<S, D> view = everything();
+    /// Into how many sides circles are cut.
+    int sides = 24;
+
+    debug_color of_static{128, 128, 128}, of_kinematic{64, 128, 255}, of_awake{255, 176, 64}, of_asleep{112, 96, 80},
+        of_sensor{96, 208, 96}, of_contact{255, 64, 64}, of_normal{255, 224, 64}, of_joint{208, 96, 208},
+        of_box{96, 96, 160}, of_velocity{96, 224, 224};
+
+private:
+    static constexpr aabb<S, D> everything() {
+        const S maximum = scalar_traits<S>::max();
+        return {vec<S, D>::filled(-maximum), vec<S, D>::filled(maximum)};
+    }
+};
+
+namespace detail {
+
+/// Draws with doubles, and hands on vectors of the world.
+template <class World, class Renderer>
+class debug_pen {
+public:
+    static constexpr int D = World::dimension;
+    using S = typename World::scalar;
+    using options_type = debug_draw_options<S, D>;
+
+    debug_pen(const World& w, Renderer& to, const options_type& with) : w_(w), to_(to), with_(with) {}
+
+    void draw() {
+        for (const body_id b : w_.bodies()) draw_body(b);
+        if constexpr (!std::same_as<joint_list, joints<>>)
+            if (with_.joints)
+                for (const joint_id j : w_.joints()) draw_joint(j, joint_list{});
+        if (!with_.contacts) return;
+        for (const auto& c : w_.contacts()) {
+            for (int k = 0; k < c.count; ++k) {
+                const auto& p = c.points[k];
+                if (!is_seen({p.position, p.position})) continue;
+                to_.point(p.position, c.touching ? with_.of_contact : with_.of_box);
+                const S size = p.normal_impulse * with_.impulse_scale;
+                to_.line(p.position, p.position + c.normal * max(size, S(0.05)), with_.of_normal);
+            }
+        }
+    }
+
+private:
+    using vec = typename World::vec;
+    using joint_list = typename World::joint_list;
+
+    [[nodiscard]] bool is_seen(const aabb<S, D>& box) const { return overlap(box, with_.view); }
+    [[nodiscard]] debug_color color_of(body_id b) const {
+        switch (w_.type(b)) {
+            case body_type::static_body: return with_.of_static;
+            case body_type::kinematic_body: return with_.of_kinematic;
+            default: return w_.is_asleep(b) ? with_.of_asleep : with_.of_awake;
+        }
+    }
+    void line(const point<D>& a, const point<D>& b) { to_.line(from_point<S>(a), from_point<S>(b), color_); }
+
+    void draw_body(body_id b) {
+        const debug_color color = color_of(b);
+        const vec center = w_.center_of_mass(b);
+        for (const shape_id id : w_.shapes(b)) {
+            const auto pose = w_.pose(b) * w_.local_pose(id);
+            color_ = w_.is_sensor(id) ? with_.of_sensor : color;
+            w_.shape(id).visit([&](const auto& shape) {
+                const auto box = bounds(shape, pose);
+                if (!is_seen(box)) return;
+                if (with_.shapes) draw_shape(shape, pose);
+                if (!with_.boxes) return;
+                color_ = with_.of_box;
+                box_lines(to_point((box.upper - box.lower) * S(0.5)), mat<double, D>::identity(),
+                          to_point(box.lower + (box.upper - box.lower) * S(0.5)));
+            });
+        }
+        if (!is_seen({center, center})) return;
+        if (with_.frames) {
+            to_.point(center, color);
+            for (int i = 0; i < D; ++i) {
+                vec axis;
+                axis[i] = S(0.25);
+                debug_color shade{0, 0, 0};
+                (i == 0 ? shade.red : i == 1 ? shade.green : shade.blue) = 255;
+                to_.line(w_.position(b), w_.position(b) + w_.rotation(b) * axis, shade);
+            }
+        }
+        if (with_.velocities && w_.type(b) != body_type::static_body)
+            to_.line(center, center + w_.linear_velocity(b) * with_.velocity_scale, with_.of_velocity);
+        if constexpr (requires { to_.text(center, "", color); })
+            if (with_.numbers) {
+                char digits[11];
+                char* at = digits + 10;
+                *at = 0;
+                std::uint32_t rest = b.index;
+                do *--at = static_cast<char>('0' + rest % 10);
+                while ((rest /= 10) != 0);
+                to_.text(center, static_cast<const char*>(at), color);
+            }
+    }
+
+    template <class Shape>
+    void draw_shape(const Shape& shape, const transform<S, D>& pose) {
+        const mat<double, D> axes = to_matrix(pose.rotation);
+        const point<D> at = to_point(pose.position);
+        if constexpr (is_halfspace<Shape>) {
+            // A stretch of its surface, and its normal.
+            const point<D> n = axes * to_point(shape.normal), p = at + n * to_double(shape.offset);
+            const point<D> t = perpendicular(n) * surface_reach;
+            if constexpr (D == 2) {
+                line(p - t, p + t);
+            } else {
+                const point<D> u = cross(n, t);
+                line(p - t, p + t);
+                line(p - u, p + u);
+            }
+            line(p, p + n);
+        } else if constexpr (has_core<Shape>) {
+            draw_core(core_of(shape), axes, at);
+        } else {
+            each_piece(
+                shape, view_in(axes, at), [](const auto&) { return true; },
+                [&](const core<D>& piece, const mat<double, D>& turned, const point<D>& where, std::uint32_t) {
+                    draw_core(piece, axes * turned, axes * where + at);
+                });
+        }
+    }
+    /// The view in the axes of a shape.
+    [[nodiscard]] aabb<double, D> view_in(const mat<double, D>& axes, const point<D>& at) const {
+        const aabb<double, D> view{to_point(with_.view.lower), to_point(with_.view.upper)};
+        const point<D> middle = transposed_times(axes, (view.lower + view.upper) * 0.5 - at),
+                       half = (view.upper - view.lower) * 0.5;
+        point<D> reach;
+        for (int i = 0; i < D; ++i)
+            for (int k = 0; k < D; ++k) reach[i] += abs(axes.column[i][k]) * half[k];
+        return {middle - reach, middle + reach};
+    }
+
+    void draw_core(const core<D>& c, const mat<double, D>& axes, const point<D>& at) {
+        const auto place = [&](const point<D>& p) { return axes * p + at; };
+        switch (c.kind) {
+            case core_kind::point:
+                circles(place(c.corner[0]), axes, c.radius);
+                // How it is turned.
+                return line(place(c.corner[0]), place(c.corner[0]) + axes.column[0] * c.radius);
+            case core_kind::segment: return draw_capsule(place(c.corner[0]), place(c.corner[1]), c.radius);
+            case core_kind::triangle:
+                for (int i = 0; i < 3; ++i) line(place(c.corner[i]), place(c.corner[(i + 1) % 3]));
+                return;
+            case core_kind::box: return box_lines(c.corner[0] + point<D>::filled(c.radius), axes, at);
+            case core_kind::disc: return draw_frustum(c, axes, at);
+            case core_kind::hull_of_floats: return draw_hull(*static_cast<const hull_data<float, D>*>(c.data), place);
+            case core_kind::hull_of_doubles: return draw_hull(*static_cast<const hull_data<double, D>*>(c.data), place);
+            case core_kind::custom: return draw_custom(c, axes, at);
+        }
+    }
+    /// One circle in 2D, one about each axis in 3D.
+    void circles(const point<D>& middle, const mat<double, D>& axes, double radius) {
+        for (int i = 0; i < (D == 2 ? 1 : 3); ++i)
+            circle(middle, axes.column[(i + 1) % D] * radius, axes.column[(i + 2) % D] * (D == 2 ? -radius : radius));
+    }
+    void circle(const point<D>& middle, const point<D>& x, const point<D>& y) { arc(middle, x, y, with_.sides); }
+    /// From x towards y, by so many of the sides of a circle.
+    void arc(const point<D>& middle, const point<D>& x, const point<D>& y, int sides) {
+        point<D> last = middle + x;
+        for (int i = 1; i <= sides; ++i) {
+            const auto [s, c] = sine_cosine(2 * pi<double> * i / with_.sides);
+            const point<D> next = middle + x * c + y * s;
+            line(last, next);
+            last = next;
+        }
+    }
+    void draw_capsule(const point<D>& from, const point<D>& to, double radius) {
+        if (!(radius > 0)) return line(from, to);
+        const point<D> out = normalized(to - from) * radius;
+        point<D> sides[] = {perpendicular(normalized(out)) * radius, {}};
+        if constexpr (D == 3) sides[1] = cross(normalized(out), sides[0]);
+        for (int i = 0; i < D - 1; ++i) {
+            arc(from, -sides[i], -out, with_.sides / 2);
+            arc(to, sides[i], out, with_.sides / 2);
+            for (const double s : {1.0, -1.0}) line(from + sides[i] * s, to + sides[i] * s);
+        }
+        if constexpr (D == 3)
+            for (const auto& end : {from, to}) circle(end, sides[0], sides[1]);
+    }
+    void box_lines(const point<D>& half, const mat<double, D>& axes, const point<D>& at) {
+        for (int axis = 0; axis < D; ++axis)
+            for (int i = 0; i < 1 << D; ++i) {
+                if ((i >> axis & 1) != 0) continue;
+                point<D> from;
+                for (int k = 0; k < D; ++k) from[k] = (i >> k & 1) != 0 ? half[k] : -half[k];
+                point<D> to = from;
+                to[axis] = -from[axis];
+                line(axes * from + at, axes * to + at);
+            }
+    }
+    void draw_frustum(const core<D>& c, const mat<double, D>& axes, const point<D>& at) {
+        if constexpr (D == 3) {
+            const point<D> along = axes.column[0] * (c.corner[0].x + c.radius);
+            const double low = c.corner[0].y + c.radius, high = c.corner[0].z + c.radius;
+            circle(at - along, axes.column[1] * low, axes.column[2] * low);
+            circle(at + along, axes.column[1] * high, axes.column[2] * high);
+            for (const double s : {1.0, -1.0})
+                for (int i = 1; i < 3; ++i)
+                    line(at - along + axes.column[i] * (low * s), at + along + axes.column[i] * (high * s));
+        }
+    }
+    template <class Hull, class Place>
+    void draw_hull(const Hull& hull, Place&& place) {
+        for (std::uint32_t f = 0; f < hull.face_count; ++f) {
+            const std::uint32_t first = hull.face_begin(f), count = hull.face_end(f) - first;
+            for (std::uint32_t i = 0; i < count; ++i) {
+                const std::uint32_t a = hull.face_vertices()[first + i],
+                                    b = hull.face_vertices()[first + (i + 1 < count ? i + 1 : 0)];
+                // Of both faces at an edge one draws it; in 2D a face is an edge.
+                if (D == 2 ? i == 0 : a < b) line(place(hull.exact_vertex(a)), place(hull.exact_vertex(b)));
+            }
+        }
+    }
+    /// Its outlines as seen along its axes.
+    void draw_custom(const core<D>& c, const mat<double, D>& axes, const point<D>& at) {
+        for (int axis = 0; axis < (D == 2 ? 1 : 3); ++axis) {
+            point<D> last;
+            for (int i = 0; i <= with_.sides; ++i) {
+                const auto [s, o] = sine_cosine(2 * pi<double> * i / with_.sides);
+                point<D> d;
+                d[(axis + 1) % D] = o;
+                d[(axis + 2) % D] = s;
+                const point<D> next = axes * (c.support(d).at + d * c.radius) + at;
+                if (i > 0) line(last, next);
+                last = next;
+            }
+        }
+    }
+
+    template <template <class, int> class... Kinds>
+    void draw_joint(joint_id j, joints<Kinds...>) {
+        (draw_joint_of<Kinds<S, D>>(j), ...);
+    }
+    template <class Joint>
+    void draw_joint_of(joint_id id) {
+        if (!w_.template is_joint<Joint>(id)) return;
+        const auto joint = w_.template joint<Joint>(id);
+        const body_id a = w_.body_a(id), b = w_.body_b(id);
+        vec at_a = w_.center_of_mass(a), at_b = w_.center_of_mass(b);
+        if constexpr (requires { joint.frame_a.position; }) at_a = w_.pose(a) * joint.frame_a.position;
+        else if constexpr (requires { joint.anchor_a; }) at_a = w_.pose(a) * joint.anchor_a;
+        if constexpr (requires { joint.frame_b.position; }) at_b = w_.pose(b) * joint.frame_b.position;
+        else if constexpr (requires { joint.anchor_b; }) at_b = w_.pose(b) * joint.anchor_b;
+        if (!is_seen(merged(aabb<S, D>{min(at_a, at_b), max(at_a, at_b)}, aabb<S, D>{at_a, at_a}))) return;
+        to_.point(at_a, with_.of_joint);
+        to_.point(at_b, with_.of_joint);
+        to_.line(at_a, at_b, with_.of_joint);
+        if (w_.type(a) != body_type::static_body) to_.line(w_.center_of_mass(a), at_a, with_.of_joint);
+        if (w_.type(b) != body_type::static_body) to_.line(w_.center_of_mass(b), at_b, with_.of_joint);
+    }
+
+    /// How much of the surface of a halfspace is drawn (m).
+    static constexpr double surface_reach = 100;
+
+    const World& w_;
+    Renderer& to_;
+    const options_type& with_;
+    debug_color color_;
+};
+
+}  // namespace detail
+
+/// Draws a world by calls of renderer.point(at, color) and renderer.line(from, to, color), and, where it has that,
+/// renderer.text(at, characters, color), with vectors of the world. Refuses fewer than 3 sides. Reads only. O(bodies +
+/// shapes + contacts + joints).
+template <class World, class Renderer>
+void debug_draw(const World& w, Renderer&& renderer,
+                const debug_draw_options<typename World::scalar, World::dimension>& with = {}) {
+    if (with.sides < 3) {
+        detail::refuse("debug_draw", "sides", with.sides, "it must be at least 3");
+        return;
+    }
+    detail::scoped([&] { detail::debug_pen(w, renderer, with).draw(); });
+}
+
+PHYSICS_HPP_END
