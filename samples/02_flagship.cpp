@@ -39,20 +39,18 @@ void run(samples::recording& film, const char* title, Build&& build) {
 
     double deepest = 0, gap = 0, seconds = 0;
     std::vector<samples::held_points<world>> pins;
+    samples::motion_track<world> track;
     clock::time_point began{};
     const world last = scenes::flagship<world>(build, steps, [&](const world& w, int step) {
         if (step > 0) seconds += std::chrono::duration<double>(clock::now() - began).count();
-        else {
-            samples::add_bodies(scene, w);
-            pins = samples::joints_of<physics::ball_joint, physics::revolute_joint>(w);
-            samples::add_joints(scene, w, pins);
-        }
+        else pins = samples::joints_of<physics::ball_joint, physics::revolute_joint>(w);
         deepest = std::max(deepest, scenes::deepest_overlap(w));
         gap = std::max(gap, samples::largest_gap(w, pins));
-        if (scene.due(step)) samples::add_frame(scene, w);
+        if (scene.due(step)) track.add_frame(w);
         show_progress(name.c_str(), step);
         began = clock::now();
     });
+    track.write(scene, pins);
 
     const auto text = [](const char* format, auto value) {
         char line[40];

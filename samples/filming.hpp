@@ -46,35 +46,35 @@ shape drawn(const physics::halfspace<S, D>& h, pose at) {
                      D == 3 ? static_cast<double>(h.normal[D - 1]) : 0, static_cast<double>(h.offset), at);
 }
 
-/// Adds all bodies of a world.
-template <class World>
-void add_bodies(recorded_scene& scene, const World& world) {
-    for (const physics::body_id id : world.bodies()) {
-        std::vector<shape> shapes;
-        for (const physics::shape_id s : world.shapes(id))
-            world.shape(s).visit(
-                [&](const auto& shape) { shapes.push_back(drawn(shape, pose_of(world.local_pose(s)))); });
-        const bool fixed = world.type(id) == physics::body_type::static_body;
-        scene.add_body(fixed ? motion::fixed : motion::dynamic, shapes, pose_of(world.pose(id)));
+template <class S, int D>
+shape drawn(const physics::rounded_box<S, D>& b, pose at) {
+    return drawn(physics::box<S, D>{b.half_extents + physics::vec<S, D>::filled(b.radius)}, at);
+}
+template <class S, int D>
+void draw(std::vector<shape>& to, const physics::chain<S, D>& c, pose at) {
+    const auto& g = *c.geometry;
+    std::vector<double> points = {g.point(0).x, g.point(0).y};
+    for (std::uint32_t i = 0; i < g.segment_count(); ++i) points.insert(points.end(), {g.end_of(i).x, g.end_of(i).y});
+    to.push_back(line(std::move(points), at));
+}
+/// Follows the outline, loop by loop.
+template <class S, int D>
+void draw(std::vector<shape>& to, const physics::tile_grid<S, D>& t, pose at) {
+    const auto& g = *t.geometry;
+    std::vector<bool> done(g.segment_count());
+    for (std::uint32_t first = 0; first < g.segment_count(); ++first) {
+        std::vector<double> points;
+        for (std::uint32_t i = first; !done[i]; i = g.links_of(i).after) {
+            done[i] = true;
+            points.insert(points.end(), {g.point(i).x, g.point(i).y});
+        }
+        if (!points.empty()) to.push_back(polygon(std::move(points), at));
     }
 }
-
-/// Stores where all bodies are, and their contacts.
-template <class World>
-void add_frame(recorded_scene& scene, const World& world) {
-    const auto n = [](auto x) { return static_cast<double>(x); };
-    const auto depth = [&](const typename World::vec& v) {
-        return World::dimension == 3 ? n(v[World::dimension - 1]) : 0;
-    };
-    int number = 0;
-    for (const physics::body_id id : world.bodies()) scene.place(number++, pose_of(world.pose(id)));
-    for (const auto contact : world.contacts())
-        for (int k = 0; k < contact.count; ++k) {
-            const auto& p = contact.points[k];
-            scene.add({n(p.position.x), n(p.position.y), depth(p.position), n(contact.normal.x), n(contact.normal.y),
-                       depth(contact.normal), n(p.normal_impulse)});
-        }
-    scene.commit();
+/// Others are drawn as one shape.
+template <class Shape>
+void draw(std::vector<shape>& to, const Shape& shape, pose at) {
+    to.push_back(drawn(shape, at));
 }
 
 /// Where a joint acts, in the frames of its bodies.
@@ -135,18 +135,88 @@ double largest_gap(const World& world, const std::vector<held_points<World>>& jo
     return largest;
 }
 
-/// Adds joints between bodies that have been added.
+/// The motion of a world whose bodies may come and go, until it is written to a scene.
 template <class World>
-void add_joints(recorded_scene& scene, const World& world, const std::vector<held_points<World>>& joints) {
-    std::map<std::uint32_t, int> numbers;
-    for (const physics::body_id id : world.bodies()) numbers.emplace(id.index, static_cast<int>(numbers.size()));
-    const auto pose_at = [](const auto& point) {
-        return pose_of(physics::transform<typename World::scalar, World::dimension>{point, {}});
+class motion_track {
+public:
+    /// Stores where all bodies are, and their contacts.
+    void add_frame(const World& world) {
+        const auto n = [](auto x) { return static_cast<double>(x); };
+        const auto depth = [&](const typename World::vec& v) {
+            return World::dimension == 3 ? n(v[World::dimension - 1]) : 0;
+        };
+        const int now = static_cast<int>(frames_.size());
+        frame& next = frames_.emplace_back();
+        for (const physics::body_id id : world.bodies()) {
+            const pose at = pose_of(world.pose(id));
+            const auto [found, is_new] = numbers_.emplace(id, static_cast<int>(bodies_.size()));
+            if (is_new) bodies_.push_back(body_of(world, id, at));
+            auto& spans = bodies_[static_cast<std::size_t>(found->second)].spans;
+            if (spans.empty() || spans.back().second + 1 < now) spans.emplace_back(now, now);
+            spans.back().second = now;
+            next.poses.emplace_back(found->second, at);
+        }
+        for (const auto contact : world.contacts())
+            for (int k = 0; k < contact.count; ++k) {
+                const auto& p = contact.points[k];
+                next.touches.push_back({n(p.position.x), n(p.position.y), depth(p.position), n(contact.normal.x),
+                                        n(contact.normal.y), depth(contact.normal), n(p.normal_impulse)});
+            }
+    }
+    /// Writes it to a scene, with joints between bodies that were there.
+    void write(recorded_scene& scene, const std::vector<held_points<World>>& joints) const {
+        const int last = static_cast<int>(frames_.size()) - 1;
+        for (const body& one : bodies_) {
+            const int number = scene.add_body(one.kind, one.shapes, one.start);
+            if (one.spans.size() == 1 && one.spans[0] == std::pair{0, last}) continue;
+            for (const auto& [from, to] : one.spans) scene.show(number, from, to);
+        }
+        const auto pose_at = [](const auto& point) {
+            return pose_of(physics::transform<typename World::scalar, World::dimension>{point, {}});
+        };
+        for (const auto& joint : joints)
+            scene.add_joint(numbers_.at(joint.body_a), pose_at(joint.in_a), numbers_.at(joint.body_b),
+                            pose_at(joint.in_b));
+        for (const frame& one : frames_) {
+            for (const auto& [number, at] : one.poses) scene.place(number, at);
+            for (const touch& contact : one.touches) scene.add(contact);
+            scene.commit();
+        }
+    }
+
+private:
+    struct body {
+        motion kind;
+        std::vector<shape> shapes;
+        pose start;
+        /// First and last frames in which it is there.
+        std::vector<std::pair<int, int>> spans;
     };
-    for (const auto& joint : joints)
-        scene.add_joint(numbers.at(joint.body_a.index), pose_at(joint.in_a), numbers.at(joint.body_b.index),
-                        pose_at(joint.in_b));
-}
+    struct frame {
+        std::vector<std::pair<int, pose>> poses;
+        std::vector<touch> touches;
+    };
+
+    static body body_of(const World& world, physics::body_id id, const pose& at) {
+        const auto type = world.type(id);
+        body fresh{type == physics::body_type::static_body      ? motion::fixed
+                   : type == physics::body_type::kinematic_body ? motion::kinematic
+                                                                : motion::dynamic,
+                   {},
+                   at,
+                   {}};
+        for (const physics::shape_id s : world.shapes(id)) {
+            const std::size_t first = fresh.shapes.size();
+            world.shape(s).visit([&](const auto& shape) { draw(fresh.shapes, shape, pose_of(world.local_pose(s))); });
+            for (std::size_t i = first; i < fresh.shapes.size(); ++i) fresh.shapes[i].hollow = world.is_sensor(s);
+        }
+        return fresh;
+    }
+
+    std::map<physics::body_id, int> numbers_;
+    std::vector<body> bodies_;
+    std::vector<frame> frames_;
+};
 
 /// A page of scenes, played one after the other, with what was found of each below it and on the terminal.
 class film {
@@ -154,37 +224,56 @@ public:
     film(const std::string& title, const std::string& subtitle, std::string path)
         : page_(title, subtitle), path_(std::move(path)) {}
 
-    /// Plays a world, with these joints drawn, in steps of 1/60 s; calls before(seconds so far) ahead of each.
-    template <class World, class Before>
+    /// Plays a world, with these joints drawn, in steps of 1/60 s; calls before(seconds so far) ahead of each, and
+    /// after() behind it.
+    template <class World, class Before, class After>
     void play(const char* title, World& world, const std::vector<held_points<World>>& joints, double seconds,
-              Before&& before) {
+              Before&& before, After&& after) {
         using S = typename World::scalar;
         scene_ = &page_.add_scene(
             {.title = title, .scalar = physics::scalar_traits<S>::name(), .dimension = World::dimension});
-        add_bodies(*scene_, world);
-        add_joints(*scene_, world, joints);
+        motion_track<World> track;
         const int steps = static_cast<int>(60 * seconds);
         for (int i = 0; i <= steps; ++i) {
-            if (scene_->due(i)) add_frame(*scene_, world);
+            if (scene_->due(i)) track.add_frame(world);
             if (i == steps) break;
             before(i / 60.0);
             world.step(S(1.0 / 60));
+            after();
         }
+        track.write(*scene_, joints);
         std::printf("%s: %u bodies, %u joints, %.0f s\n", title, world.body_count(), world.joint_count(), seconds);
+    }
+    template <class World, class Before>
+    void play(const char* title, World& world, const std::vector<held_points<World>>& joints, double seconds,
+              Before&& before) {
+        play(title, world, joints, seconds, before, [] {});
     }
     /// Tells what was found of the last scene.
     void fact(const char* label, double value, const char* format = "%.2f") {
         char text[40];
         std::snprintf(text, sizeof text, format, value);
-        std::printf("    %-52s %s\n", label, text);
-        scene_->fact(label, text);
+        tell(label, text, "");
     }
-    /// Writes the page; returns what main() returns.
+    /// Tells what was found beside what should be; what is not so makes main() fail.
+    void expect(const char* label, double value, double least, double greatest) {
+        const bool holds = value >= least && value <= greatest;
+        char text[40], range[80];
+        std::snprintf(text, sizeof text, "%.6g", value);
+        if (least == greatest) std::snprintf(range, sizeof range, "expected %.6g", least);
+        else std::snprintf(range, sizeof range, "expected %.6g to %.6g", least, greatest);
+        tell(label, text, std::string(range) + (holds ? "" : "  WRONG"));
+        has_failed_ |= !holds;
+    }
+    void expect(const char* label, double value, double exactly) { expect(label, value, exactly, exactly); }
+    /// Writes the page, if it has a path; returns what main() returns.
     int finish() {
         try {
-            page_.write_html(path_);
-            std::printf("\n%s plays the motion in any browser\n", path_.c_str());
-            return EXIT_SUCCESS;
+            if (!path_.empty()) {
+                page_.write_html(path_);
+                std::printf("\n%s plays the motion in any browser\n", path_.c_str());
+            }
+            return has_failed_ ? EXIT_FAILURE : EXIT_SUCCESS;
         } catch (const std::exception& failure) {
             std::fprintf(stderr, "%s\n", failure.what());
             return EXIT_FAILURE;
@@ -192,9 +281,15 @@ public:
     }
 
 private:
+    void tell(const std::string& label, const char* text, const std::string& expected) {
+        std::printf("    %-52s %-10s %s\n", label.c_str(), text, expected.c_str());
+        if (scene_ != nullptr) scene_->fact(expected.empty() ? label : label + " (" + expected + ")", text);
+    }
+
     recording page_;
     std::string path_;
     recorded_scene* scene_ = nullptr;
+    bool has_failed_ = false;
 };
 
 }  // namespace samples

@@ -75,7 +75,7 @@ const decode = (() => {
         const kinds = raw.kinds.map(([motion, ...shapes]) => ({
             motion,
             shapes: shapes.map(([form, ...numbers]) => ({
-                form, size: numbers.slice(0, -7), local: numbers.slice(-7),
+                form: form.replace("~", ""), hollow: form[0] === "~", size: numbers.slice(0, -7), local: numbers.slice(-7),
             })),
         }));
         const bodies = raw.bodies.map(kind => kinds[kind]);
@@ -188,10 +188,14 @@ const decode = (() => {
         }
         if ((check >>> 0) !== raw.check) throw new Error(`the recording of "${raw.title}, ${raw.scalar}" is damaged`);
 
+        // Bodies that come or go: the frames in which each is seen.
+        const spans = new Map();
+        for (const [body, from, to] of raw.spans || []) spans.set(body, [...spans.get(body) || [], [from, to]]);
+
         // A joint is two bodies, and a point in the frame of each.
         const joints = raw.joints.map(([a, b, ...points]) => ({ a, b, at: points.slice(0, 3), to: points.slice(3) }));
         return {
-            bodies, joints, slot, movers: movers.length, track, rest, frames, plane,
+            bodies, joints, spans, slot, movers: movers.length, track, rest, frames, plane,
             interval: raw.dt * raw.every,
             contacts: { start: contactStart, spot: spot.data, normal: normal.data, level: level.data, link: link.data },
         };

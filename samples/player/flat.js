@@ -28,7 +28,8 @@ const flat = (() => {
         const paths = new Map();
         const pathOf = colour => {
             const key = colour.join();
-            if (!paths.has(key)) paths.set(key, { colour, fill: new Path2D(), mark: new Path2D() });
+            if (!paths.has(key))
+                paths.set(key, { colour, fill: new Path2D(), mark: new Path2D(), hollow: new Path2D() });
             return paths.get(key);
         };
         let drawn = 0;
@@ -42,7 +43,8 @@ const flat = (() => {
                 ground(context, panel, ratio, shape, at, X, Y, theme);
                 continue;
             }
-            const { fill, mark } = pathOf(colours[body]);
+            const path = pathOf(colours[body]);
+            const [fill, mark] = shape.hollow ? [path.hollow, path.hollow] : [path.fill, path.mark];
             if (shape.form === "box") {
                 const [w, h] = shape.size;
                 fill.moveTo(...to(-w, -h));
@@ -64,11 +66,16 @@ const flat = (() => {
                 fill.closePath();
                 mark.moveTo(...to(-half, 0));
                 mark.lineTo(...to(half, 0));
+            } else {
+                const path = shape.form === "polygon" ? fill : mark;
+                for (let i = 0; i < shape.size.length; i += 2)
+                    path[i ? "lineTo" : "moveTo"](...to(shape.size[i], shape.size[i + 1]));
+                if (path === fill) fill.closePath();
             }
         }
         const pixels = extent.size * scale;
         const line = Math.min(Math.max(pixels * 0.07, 0.6 * ratio), 1.6 * ratio);
-        for (const { colour, fill, mark } of paths.values()) {
+        for (const { colour, fill, mark, hollow } of paths.values()) {
             const paper = theme.dark ? paint.mix(colour, theme.edge, 0.08) : paint.mix(colour, [1, 1, 1], 0.14);
             context.fillStyle = paint.css(paper);
             context.fill(fill);
@@ -77,6 +84,11 @@ const flat = (() => {
             context.stroke(fill);
             context.lineCap = "round";
             context.stroke(mark);
+            context.fillStyle = paint.css(paper, 0.18);
+            context.fill(hollow);
+            context.setLineDash([3 * ratio, 3 * ratio]);
+            context.stroke(hollow);
+            context.setLineDash([]);
         }
         joints(context, ratio, sample.joints(scene, poses), line, pixels, X, Y, theme);
         for (const contact of contacts) touch(context, ratio, contact, levels, extent, scale, X, Y, theme);

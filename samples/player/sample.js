@@ -47,6 +47,10 @@ const sample = (() => {
             length = Math.sqrt(length) || 1;
             for (let k = 3; k < 7; ++k) out[o + k] /= length;
         }
+        // Who is not there has no place.
+        const now = part < 0.5 ? frame : frame + 1;
+        for (const [body, spans] of scene.spans)
+            if (!spans.some(([from, to]) => from <= now && now <= to)) out[body * 7] = NaN;
         return out;
     }
 
@@ -107,6 +111,7 @@ const sample = (() => {
     function* shapes(scene, poses) {
         for (let body = 0; body < scene.bodies.length; ++body) {
             const pose = poses.subarray(body * 7, body * 7 + 7);
+            if (Number.isNaN(pose[0])) continue;
             for (const shape of scene.bodies[body].shapes) {
                 const turn = [pose[3], pose[4], pose[5], pose[6]], local = shape.local;
                 const away = rotate(turn, local);
@@ -123,7 +128,8 @@ const sample = (() => {
             const [x, y, z, ...turn] = poses.subarray(body * 7, body * 7 + 7), away = rotate(turn, point);
             return [x + away[0], y + away[1], z + away[2]];
         };
-        return scene.joints.map(({ a, b, at, to }) => [place(a, at), place(b, to)]);
+        return scene.joints.map(({ a, b, at, to }) => [place(a, at), place(b, to)])
+            .filter(ends => !ends.flat().some(Number.isNaN));
     }
     /// Those whose points are apart, as thin capsules: ropes, rods and springs.
     function* rods(scene, poses, radius) {

@@ -38,19 +38,26 @@ struct shape {
     std::string_view form;
     std::vector<double> size;
     pose local;
+    bool hollow = false;  ///< Drawn as an outline, as sensors are.
 };
 /// A ball, or in the plane a disc, by its radius.
-inline shape sphere(double radius, pose local = {}) { return {"sphere", {radius}, local}; }
+inline shape sphere(double radius, pose local = {}) { return {"sphere", {radius}, local, false}; }
 /// A capsule around the segment from -half_length to +half_length on the local x axis.
 inline shape capsule(double radius, double half_length, pose local = {}) {
-    return {"capsule", {radius, half_length}, local};
+    return {"capsule", {radius, half_length}, local, false};
 }
 /// A box by its half extents; leave out the third in the plane.
-inline shape box(double hx, double hy, double hz = 0, pose local = {}) { return {"box", {hx, hy, hz}, local}; }
+inline shape box(double hx, double hy, double hz = 0, pose local = {}) { return {"box", {hx, hy, hz}, local, false}; }
 /// All points with normal . point <= offset; the normal has length one, nz is 0 in the plane.
 inline shape halfspace(double nx, double ny, double nz, double offset, pose local = {}) {
-    return {"halfspace", {nx, ny, nz, offset}, local};
+    return {"halfspace", {nx, ny, nz, offset}, local, false};
 }
+/// In the plane, x and y of points in a row: a filled outline, counter-clockwise, whose holes are clockwise ones.
+inline shape polygon(std::vector<double> points, pose local = {}) {
+    return {"polygon", std::move(points), local, false};
+}
+/// In the plane, x and y of points that lines join.
+inline shape line(std::vector<double> points, pose local = {}) { return {"line", std::move(points), local, false}; }
 
 /// How a body moves. Static bodies are stored once; the others at every recorded frame.
 enum class motion : std::uint8_t { fixed, kinematic, dynamic };
@@ -95,12 +102,13 @@ public:
         if (frames_ > 0) throw std::logic_error("samples: add_body: the recording has begun");
         std::string text = "[" + std::to_string(static_cast<int>(kind));
         for (const shape& part : shapes) {
-            text += ",[" + detail::quoted(part.form);
+            text += ",[" + detail::quoted((part.hollow ? "~" : "") + std::string(part.form));
             for (double size : part.size) text += "," + detail::number(size);
             const pose& at = part.local;
             for (double value : {at.x, at.y, at.z, at.qx, at.qy, at.qz, at.qw}) text += "," + detail::number(value);
             text += "]";
-            if (kind != motion::fixed && part.form != "halfspace") {
+            const bool has_size = part.form == "sphere" || part.form == "capsule" || part.form == "box";
+            if (kind != motion::fixed && has_size) {
                 for (std::size_t i = 0; i < part.size.size(); ++i)
                     if (part.size[i] > 0 && part.size[i] < smallest_) smallest_ = part.size[i];
             }
@@ -126,6 +134,13 @@ public:
             text += "," + detail::number(value, 6);
         }
         joint_texts_.push_back("[" + text + "]");
+    }
+
+    /// Says that a body is seen in the frames from one to another alone, and in others of which that is said.
+    void show(int body_number, int from, int to) {
+        static_cast<void>(bodies_.at(static_cast<std::size_t>(body_number)));
+        span_texts_.push_back("[" + std::to_string(body_number) + "," + std::to_string(from) + "," +
+                              std::to_string(to) + "]");
     }
 
     /// True for the steps to record, so that a program can skip the work for the others. Step 0 is the start.
@@ -181,6 +196,8 @@ public:
         for (std::size_t i = 0; i < bodies_.size(); ++i) text += (i ? "," : "") + std::to_string(bodies_[i].kind);
         text += "],\"joints\":[";
         for (std::size_t i = 0; i < joint_texts_.size(); ++i) text += (i ? "," : "") + joint_texts_[i];
+        text += "],\"spans\":[";
+        for (std::size_t i = 0; i < span_texts_.size(); ++i) text += (i ? "," : "") + span_texts_[i];
         return text + "],\"data\":\"" + packed_ + "\"}";
     }
 
@@ -353,7 +370,7 @@ private:
     scene_settings settings_;
     std::vector<std::pair<std::string, std::string>> facts_;
     std::unordered_map<std::string, int> kinds_;
-    std::vector<std::string> kind_texts_, joint_texts_;
+    std::vector<std::string> kind_texts_, joint_texts_, span_texts_;
     std::vector<body> bodies_;
     std::vector<touch> touches_;
     std::vector<stored_touch> stored_;

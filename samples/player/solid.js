@@ -146,6 +146,7 @@ const solid = (() => {
             const seen = new Set();
             for (const { body, shape, at } of sample.shapes(scene, poses)) {
                 seen.add(body);
+                if (shape.hollow) continue;
                 const [a, b, c, d] = shape.size, tint = colours[body];
                 if (shape.form === "box") {
                     lists[0].push(at[0], at[1], at[2], 0, at[3], at[4], at[5], at[6], a, b, c, 0, ...tint, 1);

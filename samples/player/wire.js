@@ -37,6 +37,7 @@ const wire = (() => {
         let floor = null;
         for (const { body, shape, at } of sample.shapes(scene, poses)) {
             seen.add(body);
+            if (shape.hollow) continue;
             const turn = [at[3], at[4], at[5], at[6]], colour = colours[body];
             if (shape.form === "halfspace") {
                 const n = sample.rotate(turn, shape.size);
