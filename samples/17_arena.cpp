@@ -38,7 +38,7 @@ public:
     struct fighter {
         physics::body_id body;
         std::uint32_t team;
-        int health = 3, wait = 0;
+        int health = 6, wait = 0;
     };
     std::vector<fighter> fighters;
     int shots = 0, wounds = 0, own_wounds = 0, blasts = 0;
