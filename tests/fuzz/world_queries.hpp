@@ -1,0 +1,121 @@
+// Queries of a world against a look at each of its shapes.
+#pragma once
+
+#include "world_checks.hpp"
+
+namespace fuzz {
+
+template <class World>
+struct query_check {
+    using S = typename World::scalar;
+    static constexpr int D = World::dimension;
+    using vec = physics::vec<S, D>;
+    using transform = physics::transform<S, D>;
+    using filter = physics::query_filter;
+
+    const World& w;
+    const filter& by;
+
+    [[nodiscard]] bool sees(shape_id s) const {
+        const auto f = w.filter(s);
+        const auto kind = 1u << static_cast<unsigned>(w.type(w.body(s)));
+        return (by.any_category || ((f.category & by.mask) && (by.category & f.mask))) && (by.kinds & kind) &&
+               (by.sensors || !w.is_sensor(s)) && !(by.except && by.except == w.body(s));
+    }
+    template <class F>
+    void each_seen(F&& f) const {
+        for (const shape_id s : shapes_of(w))
+            if (sees(s)) f(s);
+    }
+
+    void ray(vec origin, vec way) const {
+        std::vector<std::pair<S, std::uint32_t>> expected, found;
+        each_seen([&](shape_id s) {
+            const auto hit = physics::cast_ray(w.shape(s), w.pose(w.body(s)), w.local_pose(s), origin, way);
+            if (hit && (by.inside || !(hit.normal == vec{}))) expected.emplace_back(hit.fraction, s.index);
+        });
+        std::sort(expected.begin(), expected.end());
+        w.each_hit_along_ray(origin, way, by, [&](const auto& hit) {
+            FUZZ_REQUIRE(w.body(hit.shape) == hit.body && (hit.inside() || is_unit(hit.normal)));
+            found.emplace_back(hit.fraction, hit.shape.index);
+        });
+        FUZZ_REQUIRE(found == expected);
+        const auto first = w.cast_ray(origin, way, by);
+        FUZZ_REQUIRE(static_cast<bool>(first) == !expected.empty());
+        if (first) FUZZ_REQUIRE(std::pair(first.fraction, first.shape.index) == expected[0]);
+    }
+    template <class Shape>
+    void overlaps(const Shape& probe, const transform& pose) const {
+        std::set<shape_id> found;
+        std::uint32_t last = 0;
+        w.each_overlapping(probe, pose, by, [&](shape_id s) {
+            FUZZ_REQUIRE(found.empty() || s.index > last);
+            last = s.index;
+            found.insert(s);
+        });
+        each_seen([&](shape_id s) {
+            const double gap = gap_of(s, probe, pose);
+            if (std::abs(gap) > slack(s, pose.position)) FUZZ_REQUIRE(found.count(s) == (gap < 0));
+            found.erase(s);
+        });
+        FUZZ_REQUIRE(found.empty());
+    }
+    template <class Shape>
+    void cast(const Shape& probe, const transform& pose, vec way) const {
+        S first(2);
+        each_seen([&](shape_id s) {
+            w.shape(s).visit([&](const auto& other) {
+                const auto at = pose_of(w, s);
+                const auto hit = cast_shape(other, probe, relative(at, pose), inverse_rotate(at.rotation, way));
+                if (hit && hit.fraction < first) first = hit.fraction;
+            });
+        });
+        const auto hit = w.cast_shape(probe, pose, way, by);
+        FUZZ_REQUIRE(static_cast<bool>(hit) == !(first > S(1)));
+        if (hit) FUZZ_REQUIRE(hit.fraction == first && sees(hit.shape) && w.body(hit.shape) == hit.body);
+    }
+    void closest(vec point, S reach) const {
+        const physics::ball<S, D> tip{S(0)};
+        S nearest{};
+        bool any = false;
+        each_seen([&](shape_id s) {
+            w.shape(s).visit([&](const auto& other) {
+                const S d = separation(other, tip, relative(pose_of(w, s), transform{point, {}})).distance;
+                if (!any || d < nearest) nearest = d;
+                any = true;
+            });
+        });
+        const auto hit = w.closest_shape(point, reach, by);
+        FUZZ_REQUIRE(static_cast<bool>(hit) == (any && !(nearest > reach)));
+        if (hit) FUZZ_REQUIRE(hit.distance == nearest && sees(hit.shape));
+    }
+    template <class Shape>
+    void collide(const Shape& probe, const transform& pose, S margin) const {
+        std::map<shape_id, double> found;
+        w.collide_shape(probe, pose, margin, by, [&](const auto& c) {
+            FUZZ_REQUIRE(c.count > 0 && is_unit(c.normal) && w.body(c.shape) == c.body);
+            found.emplace(c.shape, as_double(c.separation()));
+        });
+        each_seen([&](shape_id s) {
+            const double gap = gap_of(s, probe, pose), room = as_double(margin);
+            if (std::abs(gap - room) > slack(s, pose.position) + 1e-3) FUZZ_REQUIRE(found.count(s) == (gap < room));
+            found.erase(s);
+        });
+        FUZZ_REQUIRE(found.empty());
+    }
+
+private:
+    template <class Shape>
+    [[nodiscard]] double gap_of(shape_id s, const Shape& probe, const transform& pose) const {
+        return w.shape(s).visit([&](const auto& other) {
+            return as_double(separation(other, probe, relative(pose_of(w, s), pose)).distance);
+        });
+    }
+    [[nodiscard]] double slack(shape_id s, vec at) const {
+        double most = 0;
+        for (int i = 0; i < D; ++i) most = std::max(most, std::abs(as_double(at[i])));
+        return slack_of(w, s) + 2e-5 * most;
+    }
+};
+
+}  // namespace fuzz
