@@ -17569,7 +17569,7 @@ constexpr bool may_meet(const proxy_filter& a, const proxy_filter& b) {
 /// How much larger than their proxies boxes are kept, so that small moves leave them alone.
 template <class S>
 struct broadphase_settings {
-    /// By how much on every side (m).
+    /// By how much on every side (m), at most a 16th of the scalar's range.
     S margin = S(0.05);
     /// How many times the last move ahead.
     S prediction = S(2);
@@ -17577,8 +17577,13 @@ struct broadphase_settings {
 
 template <class S>
 bool check(const broadphase_settings<S>& with, const char* function) {
-    return detail::check_not_negative(function, "broadphase.margin", with.margin) &&
-           detail::check_not_negative(function, "broadphase.prediction", with.prediction);
+    if (!detail::check_not_negative(function, "broadphase.margin", with.margin) ||
+        !detail::check_not_negative(function, "broadphase.prediction", with.prediction))
+        return false;
+    // Wider boxes would leave the range, or their sizes.
+    return with.margin <= scalar_traits<S>::max() / S(16) ||
+           detail::refuse(function, "broadphase.margin", static_cast<double>(with.margin),
+                          "it must be at most a 16th of the scalar's range");
 }
 
 namespace detail {
@@ -17644,7 +17649,7 @@ public:
         }
         entries_[id].filter = filter;
         used_.set(id);
-        boxes_[id] = grown(box, settings.margin);
+        boxes_[id] = with_margin(box);
         ++count_;
         note(id);
     }
@@ -17664,13 +17669,13 @@ public:
     }
     /// Gives a proxy a new box around this one, wider on the way ahead.
     void move(std::uint32_t id, const aabb& box, const vec& displacement) {
-        boxes_[id] = grown(box, settings.margin);
+        boxes_[id] = with_margin(box);
         for (int i = 0; i < D; ++i) {
             // No farther than the box is wide: a teleport is no velocity.
             const S maximum = box.upper[i] - box.lower[i] + settings.margin;
             const S ahead = clamp(displacement[i] * settings.prediction, -maximum, maximum);
-            if (ahead > S(0)) boxes_[id].upper[i] += ahead;
-            else boxes_[id].lower[i] += ahead;
+            if (ahead > S(0)) boxes_[id].upper[i] = bounded_sum(boxes_[id].upper[i], ahead);
+            else boxes_[id].lower[i] = bounded_sum(boxes_[id].lower[i], ahead);
         }
         note(id);
         if (!entries_[id].dirty_for_index) unseen_.push_back(id);
@@ -17689,6 +17694,24 @@ public:
     PHYSICS_HPP_MEMBERS(settings, boxes_, entries_, changed_, unseen_, used_, stale_, count_, any_slot_reused_)
 
 private:
+    /// Where fixed point would wrap, the end of its range.
+    static S bounded_sum(S a, S b) {
+        const S sum = a + b;
+        if constexpr (is_fixed<S>) {
+            if (b > S(0) && sum < a) return scalar_traits<S>::max();
+            if (b < S(0) && sum > a) return -scalar_traits<S>::max();
+        }
+        return sum;
+    }
+    [[nodiscard]] aabb with_margin(const aabb& box) const {
+        aabb wide;
+        for (int i = 0; i < D; ++i) {
+            wide.lower[i] = bounded_sum(box.lower[i], -settings.margin);
+            wide.upper[i] = bounded_sum(box.upper[i], settings.margin);
+        }
+        return wide;
+    }
+
     struct entry {
         proxy_filter filter;
         bool slot_reused = false, dirty_for_index = false;

@@ -399,6 +399,26 @@ CELL_CASE("limits: poses, margins and queries whose boxes would leave the range 
     CHECK(w.closest_shape(at(0, 9), S(100)));
 }
 
+CELL_CASE("limits: margins of the broadphase that boxes would leave the range with are refused, others find all") {
+    scenery s;
+    auto settings = s.w.settings();
+    settings.broadphase.margin = cell::traits::max() / S(8);
+    refuses(s.w, "set_settings", "broadphase.margin", "", [&] { s.w.set_settings(settings); });
+    settings.broadphase.margin = cell::traits::max() / S(16);
+    settings.broadphase.prediction = cell::traits::max();
+    s.w.set_settings(settings);
+    const auto below = [&] { return s.w.cast_ray(at(0, 30), along(1, -60)).shape; };
+    CHECK(below());
+    s.w.step(S(1.0 / 64));
+    CHECK(below());
+    // A box that ends where numbers do, which wrap there in fixed point.
+    if (!cell::is_fixed) return;
+    const body_id far = s.w.create_body({.type = body_type::static_body});
+    const S most = cell::traits::max() * S(0.5);
+    s.w.create_shape(far, world::ball{most * S(0.875)}, {.position = along(0, number(most))});
+    CHECK(s.w.closest_shape(along(0, number(most)), S(1)).body == far);
+}
+
 CELL_CASE("limits: counts without end, and inertias that no body has, are refused") {
     scenery s;
     world& w = s.w;
