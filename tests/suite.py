@@ -24,6 +24,7 @@ TERMINAL = sys.stdout.isatty()
 MOST_LINES = 20      # of what a failing unit or program says
 MOST_SECONDS = 600   # for one test program
 FUZZ_INPUTS = 3000   # of each fuzzer
+WORLD_INPUTS = 110   # of fuzzers of whole worlds, of which one takes half a second
 
 COUNTED = re.compile(r"^(\d+) passed, (\d+) failed$", re.MULTILINE)
 DOCTEST = re.compile(r"^\[doctest\] test cases: +\d+ \| +(\d+) passed \| +(\d+) failed", re.MULTILINE)
@@ -31,7 +32,7 @@ STEP = re.compile(r"^\[(\d+)/(\d+)\] ")
 
 
 # Seconds that each group takes on two idle cores: all that the estimates of what is left are made of.
-SECONDS = {"cheap": 63, "misuse": 34, "gcc": 550, "clang": 550, "determinism": 600, "sanitize": 190, "fuzz": 40,
+SECONDS = {"cheap": 63, "misuse": 34, "gcc": 550, "clang": 550, "determinism": 600, "sanitize": 190, "fuzz": 260,
            "quick": 300}
 
 
@@ -302,7 +303,8 @@ def fuzz_one(source):
         # Nothing of an earlier run is left, so that the same inputs come again.
         shutil.rmtree(found, ignore_errors=True)
     found.mkdir(parents=True, exist_ok=True)
-    bound = [f"-max_total_time={seconds}"] if seconds else ["-seed=1", f"-runs={FUZZ_INPUTS}"]
+    inputs = WORLD_INPUTS if name.startswith("worlds") else FUZZ_INPUTS
+    bound = [f"-max_total_time={seconds}"] if seconds else ["-seed=1", f"-runs={inputs}"]
     # So few inputs take less time than to optimise the code.
     level = "-O1" if seconds else "-O0"
     compiler = ["ccache", "clang++"] if shutil.which("ccache") else ["clang++"]
@@ -322,7 +324,7 @@ def fuzz_one(source):
 
 
 def fuzz(tally):
-    """hulls, separations and casts under libFuzzer and sanitizers, always the same inputs; others for FUZZ_SECONDS each"""
+    """hulls, separations, casts and whole worlds under libFuzzer and sanitizers, always the same inputs; others for FUZZ_SECONDS each"""
     with concurrent.futures.ThreadPoolExecutor(JOBS) as pool:
         for name, inputs, good, said in pool.map(fuzz_one, sorted((ROOT / "tests/fuzz").glob("*.cpp"))):
             tally.add(int(good), int(not good))

@@ -1,4 +1,4 @@
-// The same as worlds.cpp in space, by other policies.
+// The same as worlds.cpp by other policies: in space, and in fixed point.
 #define PHYSICS_HPP_THREADS
 
 #include "world_calls.hpp"
@@ -11,7 +11,7 @@ struct solid : physics::recipe<double, 3, fuzz::all_shapes, fuzz::all_events, ph
     using kinds = fuzz::other_joints<S, D>;
 };
 struct exact
-    : physics::recipe<physics::fixed32, 3, fuzz::all_shapes, fuzz::all_events, physics::grid,
+    : physics::recipe<physics::fixed32, 2, fuzz::all_shapes, fuzz::all_events, physics::grid,
                       physics::sequential_impulse, physics::joints<physics::distance_joint, physics::revolute_joint>> {
     template <class S, int D>
     using kinds = fuzz::few_joints<S, D>;
