@@ -7,7 +7,7 @@
 // An input that it found plays again by ./worlds found_crash-...
 #define PHYSICS_HPP_THREADS
 
-#include "world_calls.hpp"
+#include "world_changes.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // The same as worlds.cpp by other policies: in space, and in fixed point.
 #define PHYSICS_HPP_THREADS
 
-#include "world_calls.hpp"
+#include "world_changes.hpp"
 
 namespace {
 
