@@ -13,7 +13,7 @@ namespace {
 struct level
     : physics::recipe<
           float, 2, physics::shapes<physics::ball, physics::capsule, physics::box, physics::tile_grid, physics::chain>,
-          physics::events<physics::event::sensor>> {};
+          physics::events<physics::event::sensor>, physics::one_way_platforms> {};
 using world = physics::world<level>;
 using vec = world::vec;
 using chain = physics::chain_geometry<float, 2>;
@@ -55,8 +55,10 @@ struct game {
                 if (c == '^') add_sensor(spikes, {x + 0.5f, y + 0.25f}, world::box{{0.5f, 0.25f}});
                 if (c == 'P') add_sensor(checkpoint, {x + 0.5f, y + 1}, world::box{{0.1f, 1}});
                 if (c == 'F') add_sensor(flag, {x + 0.5f, y}, world::box{{0.1f, 1}});
+                if (c == '-')
+                    arena.create_shape(ground, world::box{{0.5f, 0.1f}},
+                                       {.position = {x + 0.5f, y + 0.4f}, .one_way = true});
                 // One-sided chains stop what comes from the right of their way alone: what falls on them.
-                if (c == '-') arena.create_shape(ground, chain::build({{x + 1, y + 0.5f}, {x, y + 0.5f}}).shape());
                 if (c == '/') arena.create_shape(ground, chain::build({{x + 2, y + 1}, {x, y}}).shape());
                 if (c == 'L') {
                     lift = arena.create_body({.type = physics::body_type::kinematic_body, .position = {x + 1, y}});
