@@ -21841,6 +21841,11 @@ struct pulley_joint {
     vec<S, D> ground_a{}, ground_b{};
     /// How much of the rope on A's side a length on B's takes up, greater than 0: 2 where B hangs in a loop.
     S ratio = S(1);
+    /// The world's origin moves to a point.
+    void shift_origin(const vec<S, D>& to) {
+        ground_a -= to;
+        ground_b -= to;
+    }
     /// The length on A's side and `ratio` times that on B's stay between these (m).
     S min_length = S(0), max_length = as_it_stands;
 
@@ -37918,6 +37923,38 @@ void set_settings(world_data<Plan>& s, const typename Plan::settings& settings) 
     if (fits) change_settings(s, settings);
 }
 
+template <class Plan>
+void shift_origin(world_data<Plan>& s, const vec<typename Plan::scalar, Plan::dimension>& to) {
+    const char* f = "shift_origin";
+    if (!check_not_in_step(s, f) || !check_in_range(f, "to", to)) return;
+    bool fits = true;
+    s.bodies.each([&](std::uint32_t i, auto b) {
+        fits = fits && check_in_range(f, "centre of mass", b.center) &&
+               check_in_range(f, "shifted centre of mass", b.center - to) &&
+               (!b.has_target || check_in_range(f, "shifted target", b.target.position - to));
+        b.center -= to;
+        each_shape(s, i, [&](std::uint32_t, shape_record<Plan> shape) {
+            update_pose(shape, b.pose(), b.center);
+            fits = fits && check_extent(f, query_bounds(s, shape));
+        });
+    });
+    if (!fits) return;
+    s.bodies.each([&](std::uint32_t i, auto& b) {
+        b.center -= to;
+        if (b.has_target) b.target.position -= to;
+        if constexpr (Plan::sleeps) s.sleep.sleep_anchor[i] -= to;
+        refresh_boxes<Plan>(s.bodies, s.settings.contact_margin, s.shapes, s.broadphase, i);
+    });
+    for (auto& start : s.contact_starts) start.position -= to;
+    if constexpr (Plan::has_joints)
+        s.joints.each_kind(s.joints, [&](std::uint32_t, auto& of_kind) {
+            of_kind.each([&](std::uint32_t, auto& stored) {
+                if constexpr (requires { stored.joint.shift_origin(to); }) stored.joint.shift_origin(to);
+            });
+        });
+    update_broadphase(s);
+}
+
 }  // namespace detail
 
 PHYSICS_HPP_END
@@ -38648,6 +38685,7 @@ struct world_code {
     static void destroy_body(data& s, std::uint32_t body);
     static void destroy_bodies(data& s, const body_id* ids, std::uint32_t count);
     static void clear(data& s);
+    static void shift_origin(data& s, const vec& to);
     static shape_id insert_shape(data& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
                                  const typename Plan::shape_def& def);
     static void destroy_shape(data& s, std::uint32_t shape);
@@ -38707,6 +38745,10 @@ void world_code<Plan>::destroy_bodies(data& s, const body_id* ids, std::uint32_t
 template <class Plan>
 void world_code<Plan>::clear(data& s) {
     scoped([&] { detail::clear(s); });
+}
+template <class Plan>
+void world_code<Plan>::shift_origin(data& s, const vec& to) {
+    scoped([&] { detail::shift_origin(s, to); });
 }
 template <class Plan>
 shape_id world_code<Plan>::insert_shape(data& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
@@ -39824,6 +39866,9 @@ public:
     { code::destroy_bodies(data_, ids.data(), static_cast<std::uint32_t>(ids.size())); }
     /// Removes all bodies with all that they have; settings and the number of steps stay. O(shapes + contacts).
     void clear() { code::clear(data_); }
+    /// Makes a point the origin: all that is in the world, static bodies too, comes to lie so much nearer or farther,
+    /// and goes on as it did; nothing wakes. Refused where anything would leave the scalar's range. O(bodies + shapes).
+    void shift_origin(vec to) { code::shift_origin(data_, to); }
     /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
     /// that the scalar cannot hold. O(1) on static and kinematic bodies; on a dynamic one O(its shapes), and
     /// O(contacts) where the centre of mass moves.

@@ -288,6 +288,38 @@ void set_settings(world_data<Plan>& s, const typename Plan::settings& settings) 
     if (fits) change_settings(s, settings);
 }
 
+template <class Plan>
+void shift_origin(world_data<Plan>& s, const vec<typename Plan::scalar, Plan::dimension>& to) {
+    const char* f = "shift_origin";
+    if (!check_not_in_step(s, f) || !check_in_range(f, "to", to)) return;
+    bool fits = true;
+    s.bodies.each([&](std::uint32_t i, auto b) {
+        fits = fits && check_in_range(f, "centre of mass", b.center) &&
+               check_in_range(f, "shifted centre of mass", b.center - to) &&
+               (!b.has_target || check_in_range(f, "shifted target", b.target.position - to));
+        b.center -= to;
+        each_shape(s, i, [&](std::uint32_t, shape_record<Plan> shape) {
+            update_pose(shape, b.pose(), b.center);
+            fits = fits && check_extent(f, query_bounds(s, shape));
+        });
+    });
+    if (!fits) return;
+    s.bodies.each([&](std::uint32_t i, auto& b) {
+        b.center -= to;
+        if (b.has_target) b.target.position -= to;
+        if constexpr (Plan::sleeps) s.sleep.sleep_anchor[i] -= to;
+        refresh_boxes<Plan>(s.bodies, s.settings.contact_margin, s.shapes, s.broadphase, i);
+    });
+    for (auto& start : s.contact_starts) start.position -= to;
+    if constexpr (Plan::has_joints)
+        s.joints.each_kind(s.joints, [&](std::uint32_t, auto& of_kind) {
+            of_kind.each([&](std::uint32_t, auto& stored) {
+                if constexpr (requires { stored.joint.shift_origin(to); }) stored.joint.shift_origin(to);
+            });
+        });
+    update_broadphase(s);
+}
+
 }  // namespace detail
 
 PHYSICS_HPP_END

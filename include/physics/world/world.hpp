@@ -110,6 +110,9 @@ public:
     { code::destroy_bodies(data_, ids.data(), static_cast<std::uint32_t>(ids.size())); }
     /// Removes all bodies with all that they have; settings and the number of steps stay. O(shapes + contacts).
     void clear() { code::clear(data_); }
+    /// Makes a point the origin: all that is in the world, static bodies too, comes to lie so much nearer or farther,
+    /// and goes on as it did; nothing wakes. Refused where anything would leave the scalar's range. O(bodies + shapes).
+    void shift_origin(vec to) { code::shift_origin(data_, to); }
     /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
     /// that the scalar cannot hold. O(1) on static and kinematic bodies; on a dynamic one O(its shapes), and
     /// O(contacts) where the centre of mass moves.

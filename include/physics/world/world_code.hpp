@@ -36,6 +36,7 @@ struct world_code {
     static void destroy_body(data& s, std::uint32_t body);
     static void destroy_bodies(data& s, const body_id* ids, std::uint32_t count);
     static void clear(data& s);
+    static void shift_origin(data& s, const vec& to);
     static shape_id insert_shape(data& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
                                  const typename Plan::shape_def& def);
     static void destroy_shape(data& s, std::uint32_t shape);
@@ -95,6 +96,10 @@ void world_code<Plan>::destroy_bodies(data& s, const body_id* ids, std::uint32_t
 template <class Plan>
 void world_code<Plan>::clear(data& s) {
     scoped([&] { detail::clear(s); });
+}
+template <class Plan>
+void world_code<Plan>::shift_origin(data& s, const vec& to) {
+    scoped([&] { detail::shift_origin(s, to); });
 }
 template <class Plan>
 shape_id world_code<Plan>::insert_shape(data& s, std::uint32_t body, const typename Plan::shape& shape, bool has_mass,
