@@ -21319,7 +21319,7 @@ concept writes_rows = requires(const Joint& joint, const frames_for<Joint, S, D>
 /// otherwise than B, and the world bears the difference: rows(grounded_frames, row, direction_a) writes the negative of
 /// the Jacobian of A's centre of mass too. A kind that holds a point of B to one of A by joint_frames::hold may say so
 /// by the bits of `static constexpr std::uint32_t point_rows`, with points(), and holds_points_only(), whether no other
-/// row is on: such joints are written in lanes.
+/// row is on: such joints are written in lanes. A kind that names places of the world moves them in shift_origin(to).
 template <class Joint, class S, int D>
 concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
     requires(const Joint& joint) {
@@ -21841,17 +21841,18 @@ struct pulley_joint {
     vec<S, D> ground_a{}, ground_b{};
     /// How much of the rope on A's side a length on B's takes up, greater than 0: 2 where B hangs in a loop.
     S ratio = S(1);
-    /// The world's origin moves to a point.
-    void shift_origin(const vec<S, D>& to) {
-        ground_a -= to;
-        ground_b -= to;
-    }
     /// The length on A's side and `ratio` times that on B's stay between these (m).
     S min_length = S(0), max_length = as_it_stands;
 
     static constexpr int row_count = 4;
     static constexpr bool two_directions = true;
     PHYSICS_HPP_MEMBERS(anchor_a, anchor_b, ground_a, ground_b, ratio, min_length, max_length)
+
+    /// The world's origin moves to a point.
+    void shift_origin(const vec<S, D>& to) {
+        ground_a -= to;
+        ground_b -= to;
+    }
 
     /// The length on A's side and `ratio` times that on B's, where bodies are (m).
     [[nodiscard]] S length(const grounded_frames<S, D>& at) const {
@@ -32630,7 +32631,10 @@ struct contact_side {
     bool one_way = false;
 };
 
-/// A contact that a step has found and not solved yet, as a contact rule sees it.
+/// A contact that a step has found and not solved yet, as a contact rule sees it: `static bool accept(candidate)` of a
+/// policy says whether it holds. Several threads may ask at once, in no order: what it answers must follow from the
+/// candidate alone, and it must not throw. A sweep asks about what a body would pass into within the step, at no
+/// overlap and with the velocities of centres of mass.
 template <class Plan>
 class contact_candidate {
 public:
@@ -38476,20 +38480,17 @@ bool comes_first(const Hit& a, const Hit& b) {
     return !b || a.fraction < b.fraction || (a.fraction == b.fraction && a.shape.index < b.shape.index);
 }
 
-/// Whether a query passes a shape that is one_way, which it meets by a normal out of it.
-template <class Plan>
-bool passes([[maybe_unused]] const shape_record<Plan>& shape, [[maybe_unused]] const query_filter& filter,
-            [[maybe_unused]] const vec<typename Plan::scalar, Plan::dimension>& normal) {
+/// Whether a query passes a shape that is one_way, which it meets by a normal out of it; separation() says how far it
+/// is from that there.
+template <class Plan, class Separation>
+bool passes([[maybe_unused]] const state<Plan>& s, [[maybe_unused]] const shape_record<Plan>& shape,
+            [[maybe_unused]] const query_filter& filter,
+            [[maybe_unused]] const vec<typename Plan::scalar, Plan::dimension>& normal,
+            [[maybe_unused]] Separation&& separation) {
     if constexpr (Plan::has_contact_rule)
-        return filter.one_way && shape.one_way && !one_way_platforms::is_above(shape.pose, normal);
-    else return false;
-}
-/// Whether it does as it is in that as deep.
-template <class Plan>
-bool passes_within([[maybe_unused]] const state<Plan>& s, [[maybe_unused]] const shape_record<Plan>& shape,
-                   [[maybe_unused]] const query_filter& filter, [[maybe_unused]] typename Plan::scalar separation) {
-    if constexpr (Plan::has_contact_rule)
-        return filter.one_way && shape.one_way && !one_way_platforms::is_outside(separation, s.settings.contact_margin);
+        return filter.one_way && shape.one_way &&
+               !(one_way_platforms::is_above(shape.pose, normal) &&
+                 one_way_platforms::is_outside(separation(), s.settings.contact_margin));
     else return false;
 }
 
@@ -38520,13 +38521,11 @@ world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
             const auto hit = cast_shape(other, shape, relative(at, pose), inverse_rotate(at.rotation, translation));
             const world_hit<S, D> found{id_of_shape(s, i), body_of_shape(s, i), hit.fraction, at * hit.point,
                                         at.rotation * hit.normal};
-            if (!hit || !comes_first(found, first) || passes(s.shapes[i], filter, found.normal)) return;
-            if constexpr (Plan::has_contact_rule)
-                if (filter.one_way && s.shapes[i].one_way && !(hit.fraction > S(0)) &&
-                    passes_within(s, s.shapes[i], filter,
-                                  separation_within(other, shape, relative(at, pose), S(0)).distance))
-                    return;
-            first = found;
+            // What it does not touch from the start it meets at the surface.
+            const auto start = [&] {
+                return hit.fraction > S(0) ? S(0) : separation_within(other, shape, relative(at, pose), S(0)).distance;
+            };
+            if (hit && comes_first(found, first) && !passes(s, s.shapes[i], filter, found.normal, start)) first = found;
         });
         return first ? first.fraction : S(1);
     });
@@ -38600,8 +38599,7 @@ void collide_shape(const state<Plan>& s, const typename Plan::shape& shape,
             shape_contact<S, D> c{
                 id_of_shape(s, i), body_of_shape(s, i), part, is_first ? normal : -normal, {}, m.count};
             for (int k = 0; k < m.count; ++k) c.points[k] = {at_a * m.points[k].position, m.points[k].separation};
-            if (passes(other, filter, c.normal) || passes_within(s, other, filter, c.separation())) continue;
-            to.push_back(c);
+            if (!passes(s, other, filter, c.normal, [&] { return c.separation(); })) to.push_back(c);
         }
     });
     sort_in_place(to.begin(), to.size(), [](const auto& x, const auto& y) {
@@ -40661,7 +40659,10 @@ public:
     /// The plane goes through the origin of places.
     explicit displacement(const point<D>& up) : up_(up) {}
 
-    void add(const core<D>& c, const mat<double, D>& axes, const point<D>& at) {
+    void add(const placed_core<D>& solid) {
+        const core<D>& c = *solid.shape;
+        const mat<double, D>& axes = solid.axes;
+        const point<D>& at = solid.at;
         const auto place = [&](const point<D>& p) { return axes * p + at; };
         switch (c.kind) {
             case core_kind::point: return add_round(place(c.corner[0]), perpendicular(up_), 0, 0, 0, c.radius);
@@ -40814,14 +40815,9 @@ displaced<D> displaced_by(const Shape& shape, const transform<S, D>& pose, const
     const point<D> origin = at - up * height;
     const mat<double, D> axes = to_matrix(pose.rotation);
     displacement<D> sum(up);
-    if constexpr (requires { shape.geometry->children; }) {
-        for (std::uint32_t i = 0; i < shape.geometry->children.size(); ++i) {
-            const auto& c = shape.geometry->children[i];
-            sum.add(c.shape, axes * c.axes, axes * c.at + up * height);
-        }
-    } else if constexpr (has_core<Shape>) {
-        sum.add(core_of(shape), axes, up * height);
-    }
+    if constexpr (has_core<Shape> || is_compound<Shape, D>)
+        each_solid(shape, axes, up * height, everywhere(pose.rotation),
+                   [&](const placed_core<D>& c, std::uint32_t) { sum.add(c); });
     displaced<D> below = sum.below();
     if (!(below.volume > 0) || !(sum.whole().volume > 0)) return {};
     below.first = below.first / below.volume + origin;

@@ -67,16 +67,8 @@ struct field_of_boxes {
     }
 };
 template <int D, class Ask>
-row query_row(const char* what, const size& by, Ask&& ask) {
-    auto f = std::make_shared<field_of_boxes<D>>(by.things);
-    return {what, "query", "ours", D, [f, ask, queries = by.queries] {
-                f->random = {};
-                std::uint32_t found = 0;
-                const stopwatch clock;
-                for (int i = 0; i < queries; ++i) found += ask(*f);
-                const double ns = clock.ns() / queries;
-                return found == 0 ? 0 : ns;
-            }};
+row ask_row(const char* what, const size& by, Ask&& ask) {
+    return query_row<field_of_boxes<D>>(what, "ours", D, by, ask);
 }
 
 template <int D>
@@ -139,18 +131,18 @@ void add_rows(const size& by, std::vector<row>& rows) {
             w.create_shape(still, typename world::ball{0.25f}, {.position = at, .sensor = true});
         }
     }));
-    rows.push_back(query_row<D>("closest hit of a ray", by, [](auto& f) {
+    rows.push_back(ask_row<D>("closest hit of a ray", by, [](auto& f) {
         const auto from = f.place();
-        return static_cast<bool>(f.w.cast_ray(from, f.way())) ? 1u : 0u;
+        return static_cast<bool>(f.w.cast_ray(from, f.way())) ? 1L : 0L;
     }));
-    rows.push_back(query_row<D>("closest hit of a swept box", by, [](auto& f) {
+    rows.push_back(ask_row<D>("closest hit of a swept box", by, [](auto& f) {
         using world = std::remove_reference_t<decltype(f.w)>;
         const auto from = f.place();
-        return f.w.cast_shape(typename world::box{world::vec::filled(0.5f)}, {from, {}}, f.way()) ? 1u : 0u;
+        return f.w.cast_shape(typename world::box{world::vec::filled(0.5f)}, {from, {}}, f.way()) ? 1L : 0L;
     }));
-    rows.push_back(query_row<D>("all that a box of 8 m overlaps", by, [](auto& f) {
+    rows.push_back(ask_row<D>("all that a box of 8 m overlaps", by, [](auto& f) {
         using world = std::remove_reference_t<decltype(f.w)>;
-        std::uint32_t found = 0;
+        long found = 0;
         f.w.each_overlapping(typename world::box{world::vec::filled(4)}, {f.place(), {}}, {},
                              [&](physics::shape_id) { ++found; });
         return found;

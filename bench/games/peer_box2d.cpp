@@ -82,16 +82,8 @@ struct field_of_boxes {
     }
 };
 template <class Ask>
-row query_row(const char* what, const size& by, Ask&& ask) {
-    auto f = std::make_shared<field_of_boxes>(by.things);
-    return {what, "query", "Box2D 2.4", 2, [f, ask, queries = by.queries] {
-                f->random = {};
-                long found = 0;
-                const stopwatch clock;
-                for (int i = 0; i < queries; ++i) found += ask(*f);
-                const double ns = clock.ns() / queries;
-                return found == 0 ? 0 : ns;
-            }};
+row ask_row(const char* what, const size& by, Ask&& ask) {
+    return query_row<field_of_boxes>(what, "Box2D 2.4", 2, by, ask);
 }
 struct closest : b2RayCastCallback {
     bool hit = false;
@@ -150,13 +142,13 @@ const adds rows_of_box2d([](const size& by, std::vector<row>& rows) {
         }
         return 0;
     }));
-    rows.push_back(query_row("closest hit of a ray", by, [](field_of_boxes& f) {
+    rows.push_back(ask_row("closest hit of a ray", by, [](field_of_boxes& f) {
         closest c;
         const b2Vec2 from = f.place();
         f.w.RayCast(&c, from, from + f.way());
         return c.hit ? 1L : 0L;
     }));
-    rows.push_back(query_row("all that a box of 8 m overlaps", by, [](field_of_boxes& f) {
+    rows.push_back(ask_row("all that a box of 8 m overlaps", by, [](field_of_boxes& f) {
         overlapping o;
         const b2Vec2 at = f.place();
         o.box.SetAsBox(4, 4);

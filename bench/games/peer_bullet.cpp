@@ -43,16 +43,8 @@ struct field_of_boxes {
     btVector3 way() { return place().normalized() * static_cast<float>(ray_length); }
 };
 template <class Ask>
-row query_row(const char* what, const size& by, Ask&& ask) {
-    auto f = std::make_shared<field_of_boxes>(by.things);
-    return {what, "query", "Bullet", 3, [f, ask, queries = by.queries] {
-                f->random = {};
-                long found = 0;
-                const stopwatch clock;
-                for (int i = 0; i < queries; ++i) found += ask(*f);
-                const double ns = clock.ns() / queries;
-                return found == 0 ? 0 : ns;
-            }};
+row ask_row(const char* what, const size& by, Ask&& ask) {
+    return query_row<field_of_boxes>(what, "Bullet", 3, by, ask);
 }
 struct counts : btCollisionWorld::ContactResultCallback {
     long found = 0;
@@ -64,13 +56,13 @@ struct counts : btCollisionWorld::ContactResultCallback {
 };
 
 const adds rows_of_bullet([](const size& by, std::vector<row>& rows) {
-    rows.push_back(query_row("closest hit of a ray", by, [](field_of_boxes& f) {
+    rows.push_back(ask_row("closest hit of a ray", by, [](field_of_boxes& f) {
         const btVector3 from = f.place(), to = from + f.way();
         btCollisionWorld::ClosestRayResultCallback hit(from, to);
         f.w.rayTest(from, to, hit);
         return hit.hasHit() ? 1L : 0L;
     }));
-    rows.push_back(query_row("closest hit of a swept box", by, [](field_of_boxes& f) {
+    rows.push_back(ask_row("closest hit of a swept box", by, [](field_of_boxes& f) {
         const btVector3 from = f.place(), to = from + f.way();
         btCollisionWorld::ClosestConvexResultCallback hit(from, to);
         btTransform start = btTransform::getIdentity(), end = start;
@@ -79,7 +71,7 @@ const adds rows_of_bullet([](const size& by, std::vector<row>& rows) {
         f.w.convexSweepTest(&f.box, start, end, hit);
         return hit.hasHit() ? 1L : 0L;
     }));
-    rows.push_back(query_row("all that a box of 8 m overlaps", by, [](field_of_boxes& f) {
+    rows.push_back(ask_row("all that a box of 8 m overlaps", by, [](field_of_boxes& f) {
         btTransform at = btTransform::getIdentity();
         at.setOrigin(f.place());
         f.probe.setWorldTransform(at);

@@ -48,4 +48,19 @@ private:
 /// They fill a square or a cube of this half width (m), and rays cross it.
 constexpr double field = 60, ray_length = 20;
 
+/// Many queries of a field, each from another place: ask(field) gives how much it found; a Field is made with the
+/// number of things in it, and has a dice called random.
+template <class Field, class Ask>
+row query_row(const char* what, const char* engine, int dimension, const size& by, Ask&& ask) {
+    auto f = std::make_shared<Field>(by.things);
+    return {what, "query", engine, dimension, [f, ask, queries = by.queries] {
+                f->random = {};
+                long found = 0;
+                const stopwatch clock;
+                for (int i = 0; i < queries; ++i) found += ask(*f);
+                const double ns = clock.ns() / queries;
+                return found == 0 ? 0 : ns;
+            }};
+}
+
 }  // namespace bench::games

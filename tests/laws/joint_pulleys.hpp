@@ -126,6 +126,22 @@ CELL_CASE("joint pulleys: two loads fall as Atwood's do, by the ratio of a block
             }
 }
 
+CELL_CASE("joint pulleys: wheels move along where the world's origin is shifted") {
+    for (const bool direct : {true, false}) {
+        atwood<plain> still(4, 3, 2, 1, false, false, direct), moved(4, 3, 2, 1, false, false, direct);
+        run(still.w, 8);
+        run(moved.w, 8);
+        const vec to = at(5, -3);
+        moved.w.shift_origin(to);
+        run(still.w, 8);
+        run(moved.w, 8);
+        for (const body_id* load : {&still.a, &still.b}) {
+            const body_id other = load == &still.a ? moved.a : moved.b;
+            CHECK(length_of(moved.w.position(other) + to - still.w.position(*load)) < 1e-3);
+        }
+    }
+}
+
 CELL_CASE("joint pulleys: a thousand times as heavy a load falls as it should, and a static end holds") {
     for (const int substeps : {1, 4})
         for (const double ratio : {1.0, 3.0})

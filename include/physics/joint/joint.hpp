@@ -141,7 +141,7 @@ concept writes_rows = requires(const Joint& joint, const frames_for<Joint, S, D>
 /// otherwise than B, and the world bears the difference: rows(grounded_frames, row, direction_a) writes the negative of
 /// the Jacobian of A's centre of mass too. A kind that holds a point of B to one of A by joint_frames::hold may say so
 /// by the bits of `static constexpr std::uint32_t point_rows`, with points(), and holds_points_only(), whether no other
-/// row is on: such joints are written in lanes.
+/// row is on: such joints are written in lanes. A kind that names places of the world moves them in shift_origin(to).
 template <class Joint, class S, int D>
 concept joint_for = std::is_trivially_copyable_v<Joint> && detail::names_members<Joint> &&
     requires(const Joint& joint) {

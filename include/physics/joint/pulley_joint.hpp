@@ -20,17 +20,18 @@ struct pulley_joint {
     vec<S, D> ground_a{}, ground_b{};
     /// How much of the rope on A's side a length on B's takes up, greater than 0: 2 where B hangs in a loop.
     S ratio = S(1);
-    /// The world's origin moves to a point.
-    void shift_origin(const vec<S, D>& to) {
-        ground_a -= to;
-        ground_b -= to;
-    }
     /// The length on A's side and `ratio` times that on B's stay between these (m).
     S min_length = S(0), max_length = as_it_stands;
 
     static constexpr int row_count = 4;
     static constexpr bool two_directions = true;
     PHYSICS_HPP_MEMBERS(anchor_a, anchor_b, ground_a, ground_b, ratio, min_length, max_length)
+
+    /// The world's origin moves to a point.
+    void shift_origin(const vec<S, D>& to) {
+        ground_a -= to;
+        ground_b -= to;
+    }
 
     /// The length on A's side and `ratio` times that on B's, where bodies are (m).
     [[nodiscard]] S length(const grounded_frames<S, D>& at) const {

@@ -47,7 +47,10 @@ public:
     /// The plane goes through the origin of places.
     explicit displacement(const point<D>& up) : up_(up) {}
 
-    void add(const core<D>& c, const mat<double, D>& axes, const point<D>& at) {
+    void add(const placed_core<D>& solid) {
+        const core<D>& c = *solid.shape;
+        const mat<double, D>& axes = solid.axes;
+        const point<D>& at = solid.at;
         const auto place = [&](const point<D>& p) { return axes * p + at; };
         switch (c.kind) {
             case core_kind::point: return add_round(place(c.corner[0]), perpendicular(up_), 0, 0, 0, c.radius);
@@ -200,14 +203,9 @@ displaced<D> displaced_by(const Shape& shape, const transform<S, D>& pose, const
     const point<D> origin = at - up * height;
     const mat<double, D> axes = to_matrix(pose.rotation);
     displacement<D> sum(up);
-    if constexpr (requires { shape.geometry->children; }) {
-        for (std::uint32_t i = 0; i < shape.geometry->children.size(); ++i) {
-            const auto& c = shape.geometry->children[i];
-            sum.add(c.shape, axes * c.axes, axes * c.at + up * height);
-        }
-    } else if constexpr (has_core<Shape>) {
-        sum.add(core_of(shape), axes, up * height);
-    }
+    if constexpr (has_core<Shape> || is_compound<Shape, D>)
+        each_solid(shape, axes, up * height, everywhere(pose.rotation),
+                   [&](const placed_core<D>& c, std::uint32_t) { sum.add(c); });
     displaced<D> below = sum.below();
     if (!(below.volume > 0) || !(sum.whole().volume > 0)) return {};
     below.first = below.first / below.volume + origin;

@@ -31,7 +31,10 @@ struct contact_side {
     bool one_way = false;
 };
 
-/// A contact that a step has found and not solved yet, as a contact rule sees it.
+/// A contact that a step has found and not solved yet, as a contact rule sees it: `static bool accept(candidate)` of a
+/// policy says whether it holds. Several threads may ask at once, in no order: what it answers must follow from the
+/// candidate alone, and it must not throw. A sweep asks about what a body would pass into within the step, at no
+/// overlap and with the velocities of centres of mass.
 template <class Plan>
 class contact_candidate {
 public:

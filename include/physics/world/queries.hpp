@@ -149,20 +149,17 @@ bool comes_first(const Hit& a, const Hit& b) {
     return !b || a.fraction < b.fraction || (a.fraction == b.fraction && a.shape.index < b.shape.index);
 }
 
-/// Whether a query passes a shape that is one_way, which it meets by a normal out of it.
-template <class Plan>
-bool passes([[maybe_unused]] const shape_record<Plan>& shape, [[maybe_unused]] const query_filter& filter,
-            [[maybe_unused]] const vec<typename Plan::scalar, Plan::dimension>& normal) {
+/// Whether a query passes a shape that is one_way, which it meets by a normal out of it; separation() says how far it
+/// is from that there.
+template <class Plan, class Separation>
+bool passes([[maybe_unused]] const state<Plan>& s, [[maybe_unused]] const shape_record<Plan>& shape,
+            [[maybe_unused]] const query_filter& filter,
+            [[maybe_unused]] const vec<typename Plan::scalar, Plan::dimension>& normal,
+            [[maybe_unused]] Separation&& separation) {
     if constexpr (Plan::has_contact_rule)
-        return filter.one_way && shape.one_way && !one_way_platforms::is_above(shape.pose, normal);
-    else return false;
-}
-/// Whether it does as it is in that as deep.
-template <class Plan>
-bool passes_within([[maybe_unused]] const state<Plan>& s, [[maybe_unused]] const shape_record<Plan>& shape,
-                   [[maybe_unused]] const query_filter& filter, [[maybe_unused]] typename Plan::scalar separation) {
-    if constexpr (Plan::has_contact_rule)
-        return filter.one_way && shape.one_way && !one_way_platforms::is_outside(separation, s.settings.contact_margin);
+        return filter.one_way && shape.one_way &&
+               !(one_way_platforms::is_above(shape.pose, normal) &&
+                 one_way_platforms::is_outside(separation(), s.settings.contact_margin));
     else return false;
 }
 
@@ -193,13 +190,11 @@ world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
             const auto hit = cast_shape(other, shape, relative(at, pose), inverse_rotate(at.rotation, translation));
             const world_hit<S, D> found{id_of_shape(s, i), body_of_shape(s, i), hit.fraction, at * hit.point,
                                         at.rotation * hit.normal};
-            if (!hit || !comes_first(found, first) || passes(s.shapes[i], filter, found.normal)) return;
-            if constexpr (Plan::has_contact_rule)
-                if (filter.one_way && s.shapes[i].one_way && !(hit.fraction > S(0)) &&
-                    passes_within(s, s.shapes[i], filter,
-                                  separation_within(other, shape, relative(at, pose), S(0)).distance))
-                    return;
-            first = found;
+            // What it does not touch from the start it meets at the surface.
+            const auto start = [&] {
+                return hit.fraction > S(0) ? S(0) : separation_within(other, shape, relative(at, pose), S(0)).distance;
+            };
+            if (hit && comes_first(found, first) && !passes(s, s.shapes[i], filter, found.normal, start)) first = found;
         });
         return first ? first.fraction : S(1);
     });
@@ -273,8 +268,7 @@ void collide_shape(const state<Plan>& s, const typename Plan::shape& shape,
             shape_contact<S, D> c{
                 id_of_shape(s, i), body_of_shape(s, i), part, is_first ? normal : -normal, {}, m.count};
             for (int k = 0; k < m.count; ++k) c.points[k] = {at_a * m.points[k].position, m.points[k].separation};
-            if (passes(other, filter, c.normal) || passes_within(s, other, filter, c.separation())) continue;
-            to.push_back(c);
+            if (!passes(s, other, filter, c.normal, [&] { return c.separation(); })) to.push_back(c);
         }
     });
     sort_in_place(to.begin(), to.size(), [](const auto& x, const auto& y) {
