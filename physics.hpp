@@ -26025,7 +26025,7 @@ T* made(std::uint32_t count, arena& scratch) {
 }
 
 /// Matrices with a pattern, one in each lane. `tolerance`: what is left of a row's diagonal is more as it is
-/// eliminated, unless other rows say the same.
+/// eliminated, unless other rows say the same. Where that is less than noise, the row gives way as if it were that.
 template <class K>
 struct joint_matrix {
     using C = typename K::scalar;
@@ -26036,6 +26036,8 @@ struct joint_matrix {
         /// As parts of their diagonals, how far rows give way: that have bounds; and, where errors are taken back, that
         /// are far from what they are to hold.
         K slack, far;
+        /// As parts of their diagonals, what of rows in loops is noise: directions are as far off as joints are.
+        K noise;
         /// Of rows that others say already: how much they give way under what they bear.
         K leak;
         K right_hand, inverse_pivot;
@@ -26155,7 +26157,7 @@ private:
             // What is left of a row that others say already is rounding: it gives way.
             const K own = matrix[j.panel + k * width + k], left = panel[k * width + k];
             const K says_nothing = select_greater(own * K::broadcast(tolerance), left, one, zero);
-            w.leak = own * says_nothing * w.in * K::broadcast(C(give_way));
+            w.leak = max(own * says_nothing * K::broadcast(C(give_way)), own * w.noise - max(left, zero)) * w.in;
             const K inverse_pivot = lane_reciprocal(max(left, zero) + w.leak);
             w.inverse_pivot = inverse_pivot;
             for (std::uint32_t l = k + 1; l < j.height; ++l) {
@@ -26257,6 +26259,9 @@ protected:
                 });
             }
         }
+        std::uint32_t pushed = 0;
+        for (std::uint32_t k = 0; k < of_.body_count; ++k) pushed += sides_[k].is_pushed ? 1u : 0u;
+        has_loops_ = of_.joint_count + (pushed == of_.body_count ? 1u : 0u) > pushed;
     }
     [[nodiscard]] void* joint_at(std::uint32_t i, int lane) const {
         return joints_[i * W + static_cast<std::uint32_t>(lane)];
@@ -26315,6 +26320,7 @@ protected:
             }
             is_any_raised = is_any_raised || largest > 1;
             resolved_[lane] = largest > max_resolved ? S(0) : S(1);
+            if (has_loops_) note_noise(lane, bodies);
         }
         each_row(
             [&](std::uint32_t r, const joint_pattern::joint& j) { rows_[r].finish(sides_[j.a], sides_[j.b], with); });
@@ -26326,6 +26332,20 @@ protected:
         }
         assemble<S, D, Rotates, Two>(of_, rows_, sides_, matrix_.matrix);
         is_factorised_ = false;
+    }
+    /// In a loop rows may say what others say, but for their errors: of two ends that are off by e, (2 e)^2 is left of
+    /// them. They would give 1 / e of what they should. What a load hangs on may not give way by that: rows bear what
+    /// their lighter body can of the mass of all. A tree has no such rows.
+    void note_noise(int lane, const body* bodies) {
+        double mass = 0;
+        for (std::uint32_t k = 0; k < of_.body_count; ++k)
+            if (sides_[k].is_pushed) mass += 1 / to_double(bodies[sides_[k].index[lane]].inverse_mass);
+        each_row([&](std::uint32_t r, const joint_pattern::joint& j) {
+            const double inverse_mass = max(to_double(bodies[sides_[j.a].index[lane]].inverse_mass),
+                                            to_double(bodies[sides_[j.b].index[lane]].inverse_mass));
+            const double noise = min(4 * largest_[lane], 1 / (4 * inverse_mass * mass));
+            matrix_.row[r].noise.set_lane(lane, static_cast<C>(noise));
+        });
     }
     PHYSICS_HPP_NOINLINE void write_joint(std::uint32_t i, int lane, const body* bodies, const pose* poses,
                                           const joint_pass<S>& with) {
@@ -26444,7 +26464,7 @@ protected:
     /// Of each body how many joints it has.
     std::uint32_t* joints_of_;
     bool is_factorised_ = false, are_forces_noted_ = false, has_loads_ = false, has_bounds_ = false,
-         any_shared_ = false, is_any_far_ = false;
+         any_shared_ = false, is_any_far_ = false, has_loops_ = false;
     /// 1 where substeps are short enough; and where something is farther from what holds it than a hundredth.
     S resolved_[W] = {}, far_[W] = {};
     /// 1 where bodies turn so far in a correction that their ways are curved.

@@ -20,7 +20,7 @@ T* made(std::uint32_t count, arena& scratch) {
 }
 
 /// Matrices with a pattern, one in each lane. `tolerance`: what is left of a row's diagonal is more as it is
-/// eliminated, unless other rows say the same.
+/// eliminated, unless other rows say the same. Where that is less than noise, the row gives way as if it were that.
 template <class K>
 struct joint_matrix {
     using C = typename K::scalar;
@@ -31,6 +31,8 @@ struct joint_matrix {
         /// As parts of their diagonals, how far rows give way: that have bounds; and, where errors are taken back, that
         /// are far from what they are to hold.
         K slack, far;
+        /// As parts of their diagonals, what of rows in loops is noise: directions are as far off as joints are.
+        K noise;
         /// Of rows that others say already: how much they give way under what they bear.
         K leak;
         K right_hand, inverse_pivot;
@@ -150,7 +152,7 @@ private:
             // What is left of a row that others say already is rounding: it gives way.
             const K own = matrix[j.panel + k * width + k], left = panel[k * width + k];
             const K says_nothing = select_greater(own * K::broadcast(tolerance), left, one, zero);
-            w.leak = own * says_nothing * w.in * K::broadcast(C(give_way));
+            w.leak = max(own * says_nothing * K::broadcast(C(give_way)), own * w.noise - max(left, zero)) * w.in;
             const K inverse_pivot = lane_reciprocal(max(left, zero) + w.leak);
             w.inverse_pivot = inverse_pivot;
             for (std::uint32_t l = k + 1; l < j.height; ++l) {

@@ -62,6 +62,9 @@ protected:
                 });
             }
         }
+        std::uint32_t pushed = 0;
+        for (std::uint32_t k = 0; k < of_.body_count; ++k) pushed += sides_[k].is_pushed ? 1u : 0u;
+        has_loops_ = of_.joint_count + (pushed == of_.body_count ? 1u : 0u) > pushed;
     }
     [[nodiscard]] void* joint_at(std::uint32_t i, int lane) const {
         return joints_[i * W + static_cast<std::uint32_t>(lane)];
@@ -120,6 +123,7 @@ protected:
             }
             is_any_raised = is_any_raised || largest > 1;
             resolved_[lane] = largest > max_resolved ? S(0) : S(1);
+            if (has_loops_) note_noise(lane, bodies);
         }
         each_row(
             [&](std::uint32_t r, const joint_pattern::joint& j) { rows_[r].finish(sides_[j.a], sides_[j.b], with); });
@@ -131,6 +135,20 @@ protected:
         }
         assemble<S, D, Rotates, Two>(of_, rows_, sides_, matrix_.matrix);
         is_factorised_ = false;
+    }
+    /// In a loop rows may say what others say, but for their errors: of two ends that are off by e, (2 e)^2 is left of
+    /// them. They would give 1 / e of what they should. What a load hangs on may not give way by that: rows bear what
+    /// their lighter body can of the mass of all. A tree has no such rows.
+    void note_noise(int lane, const body* bodies) {
+        double mass = 0;
+        for (std::uint32_t k = 0; k < of_.body_count; ++k)
+            if (sides_[k].is_pushed) mass += 1 / to_double(bodies[sides_[k].index[lane]].inverse_mass);
+        each_row([&](std::uint32_t r, const joint_pattern::joint& j) {
+            const double inverse_mass = max(to_double(bodies[sides_[j.a].index[lane]].inverse_mass),
+                                            to_double(bodies[sides_[j.b].index[lane]].inverse_mass));
+            const double noise = min(4 * largest_[lane], 1 / (4 * inverse_mass * mass));
+            matrix_.row[r].noise.set_lane(lane, static_cast<C>(noise));
+        });
     }
     PHYSICS_HPP_NOINLINE void write_joint(std::uint32_t i, int lane, const body* bodies, const pose* poses,
                                           const joint_pass<S>& with) {
@@ -249,7 +267,7 @@ protected:
     /// Of each body how many joints it has.
     std::uint32_t* joints_of_;
     bool is_factorised_ = false, are_forces_noted_ = false, has_loads_ = false, has_bounds_ = false,
-         any_shared_ = false, is_any_far_ = false;
+         any_shared_ = false, is_any_far_ = false, has_loops_ = false;
     /// 1 where substeps are short enough; and where something is farther from what holds it than a hundredth.
     S resolved_[W] = {}, far_[W] = {};
     /// 1 where bodies turn so far in a correction that their ways are curved.
