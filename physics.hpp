@@ -22742,7 +22742,9 @@ struct body {
     std::uint64_t user_data = 0;
     /// The shape of the highest number.
     std::uint32_t first_shape = detail::null_index;
-    body_type type = body_type::dynamic_body;
+    /// How it moves: as its user says while it is enabled; else it stands.
+    body_type type = body_type::dynamic_body, given_type = body_type::dynamic_body;
+    bool enabled = true;
     bool rotation_locked = !Rotates;
     bool can_sleep = true;
     /// True if the inertia depends on the axis: then the spin changes even without torque.
@@ -22754,7 +22756,8 @@ struct body {
     bool continuous = false;
     PHYSICS_HPP_MEMBERS(center, rotation, velocity, force, torque, mass, inverse_mass, inverse_inertia, spin,
                         linear_damping, angular_damping, gravity_scale, target, user_data, first_shape, type,
-                        rotation_locked, can_sleep, is_gyroscopic, mass_is_set, has_target, at_target, continuous)
+                        given_type, enabled, rotation_locked, can_sleep, is_gyroscopic, mass_is_set, has_target,
+                        at_target, continuous)
 
     /// The pose of the body's own frame, in which its shapes lie.
     [[nodiscard]] constexpr transform<S, D> pose() const { return {center - rotation * mass.center, rotation}; }
@@ -31368,12 +31371,15 @@ struct joint_record {
     /// Which kind it is of, and which of that kind.
     std::uint32_t kind = 0, slot = 0;
     bool enabled = true, collide_connected = false;
+    /// Whether both of its bodies are enabled.
+    bool bodies_enabled = true;
     /// By which force and torque it breaks (N, N m); 0: by none.
     double break_force = 0, break_torque = 0;
     std::uint64_t user_data = 0;
-    PHYSICS_HPP_MEMBERS(body_a, body_b, next_a, next_b, kind, slot, enabled, collide_connected, break_force,
-                        break_torque, user_data)
+    PHYSICS_HPP_MEMBERS(body_a, body_b, next_a, next_b, kind, slot, enabled, collide_connected, bodies_enabled,
+                        break_force, break_torque, user_data)
 
+    [[nodiscard]] bool holds() const { return enabled && bodies_enabled; }
     [[nodiscard]] bool can_break() const { return break_force > 0 || break_torque > 0; }
 
     [[nodiscard]] std::uint32_t other(std::uint32_t body) const { return body == body_a ? body_b : body_a; }
@@ -31464,7 +31470,7 @@ struct joint_set<S, D, joints<Joints...>> : joint_pool<Joints<S, D>, S>... {
         if (first[a] == no_joint || first[b] == no_joint) return false;
         bool result = false;
         each_of(a, [&](std::uint32_t, const joint_record& r) {
-            result = result || (r.enabled && !r.collide_connected && r.other(a) == b);
+            result = result || (r.holds() && !r.collide_connected && r.other(a) == b);
         });
         return result;
     }
@@ -31528,7 +31534,7 @@ void list_joints(joint_set<S, D, Joints>& all, const pool<body<S, D, Rotates>>& 
         if constexpr (Joint::row_count > 0)
             of_kind.each([&](std::uint32_t slot, const stored_joint<Joint, S>& from) {
                 const joint_record& record = all.records[from.number];
-                if (!record.enabled || (!is_pushed(record.body_a) && !is_pushed(record.body_b))) return;
+                if (!record.holds() || (!is_pushed(record.body_a) && !is_pushed(record.body_b))) return;
                 const auto &a = bodies[record.body_a], &b = bodies[record.body_b];
                 auto& j = to.emplace_back(&from.joint, frames_between<Joint>(a, b));
                 for (int k = 0; k < Joint::row_count; ++k) j.impulse[k] = from.impulse[k];
@@ -31611,7 +31617,7 @@ void each_connected(const no_joints&, std::uint32_t, F&&) {}
 template <class Joints, class F>
 void each_connected(const Joints& joints, std::uint32_t body, F&& f) {
     joints.each_of(body, [&](std::uint32_t, const joint_record& r) {
-        if (r.enabled && joints.holds(r.kind)) f(r.other(body));
+        if (r.holds() && joints.holds(r.kind)) f(r.other(body));
     });
 }
 
@@ -32530,6 +32536,8 @@ template <class Plan>
 proxy_filter filter_of(const pool<typename Plan::body>& bodies, const sleep_of<Plan>& sleep,
                        const shape_record<Plan>& shape) {
     const collision_filter& f = shape.filter;
+    // Of no category and no kind, it is found by nothing.
+    if (!bodies[shape.body].enabled) return {0, 0, 0, shape.body, false, shape.sensor, 0};
     const auto kinds = static_cast<std::uint8_t>(1u << static_cast<unsigned>(bodies[shape.body].type));
     return {f.category, f.mask, f.group, shape.body, is_movable<Plan>(bodies, sleep, shape.body), shape.sensor, kinds};
 }
@@ -36000,6 +36008,8 @@ struct body_def {
     bool rotation_locked = false;
     /// False keeps the body awake, and those that touch it.
     bool can_sleep = true;
+    /// False: it comes disabled (see set_enabled).
+    bool enabled = true;
     /// True if moving bodies stop this one too where it goes far in a step (see swept). Static ones stop every body.
     /// One that is slow itself is not looked after, however fast the others are.
     bool continuous = false;
@@ -36713,10 +36723,11 @@ template <class Plan>
 void refresh_mass(world_data<Plan>& s, std::uint32_t index) {
     using S = typename Plan::scalar;
     const auto& b = s.bodies[index];
+    const bool is_dynamic = b.given_type == body_type::dynamic_body;
     mass_properties<S, Plan::dimension> mass;
     if (b.mass_is_set) mass = b.mass;
-    else if (b.is_dynamic()) mass = mass_of_shapes<S>(s, index);
-    if (b.is_dynamic() && !(mass.mass > S(0))) mass = {S(1), {}, {}};
+    else if (is_dynamic) mass = mass_of_shapes<S>(s, index);
+    if (is_dynamic && !(mass.mass > S(0))) mass = {S(1), {}, {}};
     set_mass_properties(s, index, mass);
 }
 
@@ -36775,27 +36786,33 @@ lookup find_shape(State& s, shape_id id, const char* function) {
 inline const char* name_of(body_type type) {
     return type == body_type::static_body ? "static" : type == body_type::kinematic_body ? "kinematic" : "dynamic";
 }
-/// The same for calls that only dynamic bodies take,
+/// The same for calls that only bodies of a type take, enabled or not,
 template <class State>
-lookup find_dynamic(State& s, body_id id, const char* function) {
+lookup find_of_type(State& s, body_id id, const char* function, body_type type, const char* must) {
     const lookup f = find_body(s, id, function);
-    if (f && !s.bodies[f.index].is_dynamic())
-        return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be dynamic")};
+    if (f && s.bodies[f.index].given_type != type)
+        return {0, refuse(function, "body", name_of(s.bodies[f.index].given_type), must)};
     return f;
 }
-/// only kinematic ones,
+template <class State>
+lookup find_dynamic(State& s, body_id id, const char* function) {
+    return find_of_type(s, id, function, body_type::dynamic_body, "it must be dynamic");
+}
 template <class State>
 lookup find_kinematic(State& s, body_id id, const char* function) {
-    const lookup f = find_body(s, id, function);
-    if (f && s.bodies[f.index].type != body_type::kinematic_body)
-        return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be kinematic")};
+    return find_of_type(s, id, function, body_type::kinematic_body, "it must be kinematic");
+}
+/// only enabled ones,
+template <class State>
+lookup if_enabled(State& s, const lookup& f, const char* function) {
+    if (f && !s.bodies[f.index].enabled) return {0, refuse(function, "body", "disabled", "it must be enabled")};
     return f;
 }
 /// and only those that have a velocity.
 template <class State>
 lookup find_moving(State& s, body_id id, const char* function) {
     const lookup f = find_body(s, id, function);
-    if (f && s.bodies[f.index].type == body_type::static_body)
+    if (f && s.bodies[f.index].given_type == body_type::static_body)
         return {0, refuse(function, "body", "static", "it must be dynamic or kinematic")};
     return f;
 }
@@ -37479,7 +37496,8 @@ void wake_affected(world_data<Plan>& s, std::uint32_t body) {
 }
 template <class Plan>
 void wake_near(world_data<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
-    if constexpr (Plan::sleeps) wake_near(to_wake<Plan>(s, s.step), body, to);
+    if constexpr (Plan::sleeps)
+        if (s.bodies[body].enabled) wake_near(to_wake<Plan>(s, s.step), body, to);
 }
 template <class Plan>
 void wake_near(world_data<Plan>& s, std::uint32_t body) {
@@ -37489,7 +37507,7 @@ void wake_near(world_data<Plan>& s, std::uint32_t body) {
 template <class Plan>
 void wake_near_shape(world_data<Plan>& s, std::uint32_t shape) {
     if constexpr (Plan::sleeps)
-        if (s.sleep.sleepers != 0 &&
+        if (s.sleep.sleepers != 0 && s.bodies[s.shapes[shape].body].enabled &&
             (!s.shapes[shape].sensor || s.bodies[s.shapes[shape].body].type == body_type::static_body)) {
             const wake_input<Plan> w = to_wake<Plan>(s, s.step);
             w.step.near.clear();
@@ -37508,6 +37526,7 @@ template <class Plan>
 std::uint32_t count_awake(const state<Plan>& s) {
     std::uint32_t count = 0;
     s.bodies.each([&](std::uint32_t i, const auto& b) {
+        if (!b.enabled) return;
         const bool moves = b.has_target || !(b.at_target || b.velocity == decltype(b.velocity){});
         count += b.is_dynamic() ? !s.is_asleep(i) : moves;
     });
@@ -37639,7 +37658,9 @@ template <class Plan>
 void destroy_shape(world_data<Plan>& s, std::uint32_t index) {
     const std::uint32_t body = s.shapes[index].body;
     const auto& owner = s.bodies[body];
-    if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
+    if (owner.given_type == body_type::dynamic_body && !owner.mass_is_set &&
+        !check_shapes_mass(s, body, "destroy_shape", index))
+        return;
     wake_affected(s, body);
     drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
     s.memories.drop([&](std::uint32_t shape) { return shape == index; });
@@ -37673,7 +37694,9 @@ body_id create_body(world_data<Plan>& s, const body_def<typename Plan::scalar, P
         !check_continuous<Plan>("create_body", def.continuous))
         return {};
     typename Plan::body b;
-    b.type = def.type;
+    b.type = def.enabled ? def.type : body_type::static_body;
+    b.given_type = def.type;
+    b.enabled = def.enabled;
     b.rotation = normalized(def.rotation);
     b.center = def.position;
     if (def.type != body_type::static_body) b.velocity.linear = def.linear_velocity;
@@ -37714,7 +37737,8 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
         return {};
     }
     const auto& owner = s.bodies[body];
-    if (!has_mass && owner.is_dynamic() && !def.sensor) {
+    const bool is_dynamic = owner.given_type == body_type::dynamic_body;
+    if (!has_mass && is_dynamic && !def.sensor) {
         refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
         return {};
     }
@@ -37731,7 +37755,7 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     update_pose(record, owner.pose(), owner.center);
     const auto box = query_bounds(s, record);
     if (!check_extent(f, box)) return {};
-    if (def.density > S(0) && !def.sensor && owner.is_dynamic() && !owner.mass_is_set &&
+    if (def.density > S(0) && !def.sensor && is_dynamic && !owner.mass_is_set &&
         !check_shapes_mass(s, body, f, no_shape, &record))
         return {};
     // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
@@ -37749,7 +37773,7 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     s.shapes[place.index].next = std::exchange(*link, place.index);
     s.broadphase.insert(place.index, box, filter_of(s, record));
     // What is not dynamic takes no mass from it: n shapes on one body cost O(n).
-    if (owner.is_dynamic()) refresh_mass(s, body);
+    if (is_dynamic) refresh_mass(s, body);
     else if (!def.sensor) extend_extent(s, s.shapes[place.index]);
     wake_near_shape(s, place.index);
     return {place.index, place.generation, s.tag};
@@ -37813,7 +37837,7 @@ void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
     constexpr int D = Plan::dimension;
     const char* f = "set_type";
     auto& b = s.bodies[index];
-    if (!check_type(f, type) || type == b.type) return;
+    if (!check_type(f, type) || type == b.given_type) return;
     if (type == body_type::dynamic_body) {
         bool solid = true;
         each_shape(s, index, [&](std::uint32_t, const auto& record) {
@@ -37836,7 +37860,8 @@ void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
     }
     b.has_target = false;
     b.at_target = false;
-    b.type = type;
+    b.given_type = type;
+    if (b.enabled) b.type = type;
     s.awake.is_stale = true;
     refresh_mass(s, index);
     reinsert_proxies(s, index);
@@ -37844,6 +37869,54 @@ void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
         const std::uint32_t first = c.bodies.body_a, second = c.bodies.body_b;
         return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
     });
+}
+
+/// Tells joints of a body whether both of theirs are enabled.
+template <class Plan>
+void note_enabled([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] std::uint32_t index) {
+    if constexpr (Plan::has_joints)
+        s.joints.each_of(index, [&](std::uint32_t i, const joint_record& record) {
+            s.joints.records[i].bodies_enabled = s.bodies[record.body_a].enabled && s.bodies[record.body_b].enabled;
+        });
+}
+template <class Plan>
+void disable(world_data<Plan>& s, std::uint32_t index) {
+    auto& b = s.bodies[index];
+    wake_affected(s, index);
+    // What sleeps in its sensors is looked at again; those of a static body wake it.
+    b.type = body_type::static_body;
+    each_shape(s, index, [&](std::uint32_t shape, const auto& record) {
+        if (record.sensor) wake_near_shape(s, shape);
+    });
+    b.enabled = false;
+    if (b.at_target) b.velocity = {};
+    b.has_target = b.at_target = false;
+    b.force = {};
+    b.torque = {};
+    set_mass_properties(s, index, b.mass);
+    note_enabled(s, index);
+    drop_contacts(s, [&](const auto& c) { return c.bodies.body_a == index || c.bodies.body_b == index; });
+    s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
+    s.awake.is_stale = true;
+    reinsert_proxies(s, index);
+}
+template <class Plan>
+void enable(world_data<Plan>& s, std::uint32_t index) {
+    auto& b = s.bodies[index];
+    b.enabled = true;
+    b.type = b.given_type;
+    if constexpr (Plan::sleeps) s.sleep.start(index, b.center);
+    refresh_mass(s, index);
+    note_enabled(s, index);
+    s.awake.is_stale = true;
+    reinsert_proxies(s, index);
+    wake_near(s, index);
+}
+template <class Plan>
+void set_enabled(world_data<Plan>& s, std::uint32_t index, bool enabled) {
+    if (enabled == s.bodies[index].enabled) return;
+    if (enabled) enable(s, index);
+    else disable(s, index);
 }
 
 template <class Plan>
@@ -38030,7 +38103,7 @@ template <class Plan, class F>
 void apply_at(world_data<Plan>& s, body_id id, const char* function, const char* field,
               vec<typename Plan::scalar, Plan::dimension> force, bool local,
               const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
-    const lookup at = find_dynamic(s, id, function);
+    const lookup at = if_enabled(s, find_dynamic(s, id, function), function);
     if (!at || !check_in_range(function, field, force) || (point && !check_in_range(function, "point", *point))) return;
     auto& b = s.bodies[at.index];
     vec<typename Plan::scalar, Plan::dimension> anchor;
@@ -38081,7 +38154,7 @@ void add_impulse(world_data<Plan>& s, body_id id, const char* function,
 template <class Plan>
 void add_torque(world_data<Plan>& s, body_id id, physics::angular<typename Plan::scalar, Plan::dimension> torque) {
     const char* f = "apply_torque";
-    const lookup at = find_dynamic(s, id, f);
+    const lookup at = if_enabled(s, find_dynamic(s, id, f), f);
     if (!at || !check_in_range(f, "torque", torque)) return;
     auto& b = s.bodies[at.index];
     if (!assign(b.torque, b.torque + torque)) refuse_action(f, "torque", largest_magnitude(torque));
@@ -38091,7 +38164,7 @@ template <class Plan>
 void add_angular_impulse(world_data<Plan>& s, body_id id,
                          physics::angular<typename Plan::scalar, Plan::dimension> impulse) {
     const char* f = "apply_angular_impulse";
-    const lookup at = find_dynamic(s, id, f);
+    const lookup at = if_enabled(s, find_dynamic(s, id, f), f);
     if (!at || !check_in_range(f, "impulse", impulse)) return;
     auto& b = s.bodies[at.index];
     const auto inverse_inertia = in_world(b.inverse_inertia, b.rotation);
@@ -38159,7 +38232,8 @@ public:
     void add(const body<S, D, Rotates>& b) {
         add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 |
             std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10 | std::uint64_t{b.can_sleep} << 11 |
-            std::uint64_t{b.at_target} << 12 | std::uint64_t{b.continuous} << 16);
+            std::uint64_t{b.at_target} << 12 | std::uint64_t{b.continuous} << 16 | std::uint64_t{!b.enabled} << 17 |
+            static_cast<std::uint64_t>(b.given_type) << 24);
         add(b.center);
         add(b.rotation);
         add(b.velocity.linear);
@@ -38216,7 +38290,7 @@ public:
     void add(const joint_record& r) {
         add(std::uint64_t{r.body_a} << 32 | r.body_b);
         add(std::uint64_t{r.kind} << 32 | r.slot);
-        add(std::uint64_t{r.enabled} | std::uint64_t{r.collide_connected} << 1);
+        add(std::uint64_t{r.enabled} | std::uint64_t{r.collide_connected} << 1 | std::uint64_t{r.bodies_enabled} << 2);
         add(std::bit_cast<std::uint64_t>(r.break_force));
         add(std::bit_cast<std::uint64_t>(r.break_torque));
     }
@@ -38719,6 +38793,7 @@ struct world_code {
     static void add_angular_impulse(data& s, body_id body, angular impulse);
 
     static void set_type(data& s, std::uint32_t body, body_type type);
+    static void set_enabled(data& s, std::uint32_t body, bool enabled);
     static void set_mass(data& s, std::uint32_t body, const mass_properties<S, D>& mass);
     static void reset_mass(data& s, std::uint32_t body);
     static void set_rotation_locked(data& s, std::uint32_t body, bool locked);
@@ -38821,6 +38896,10 @@ void world_code<Plan>::set_type(data& s, std::uint32_t body, body_type type) {
     scoped([&] { detail::set_type(s, body, type); });
 }
 template <class Plan>
+void world_code<Plan>::set_enabled(data& s, std::uint32_t body, bool enabled) {
+    scoped([&] { detail::set_enabled(s, body, enabled); });
+}
+template <class Plan>
 void world_code<Plan>::set_mass(data& s, std::uint32_t body, const mass_properties<S, D>& mass) {
     scoped([&] { detail::set_mass(s, body, mass); });
 }
@@ -38913,6 +38992,110 @@ PHYSICS_HPP_END
     extern template struct physics::detail::world_code<physics::detail::plan_of<__VA_ARGS__>::type>;
 #define PHYSICS_HPP_INSTANTIATE(...) \
     template struct physics::detail::world_code<physics::detail::plan_of<__VA_ARGS__>::type>;
+
+// =================================================================================================
+// physics/world/body_functions.hpp
+// =================================================================================================
+// How a body takes part in its world: as what type, enabled or not, awake or asleep.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// The bodies of a dynamic body's island, in ascending order; none of others.
+template <class Plan>
+buffer<body_id> island_of(const world_data<Plan>& s, std::uint32_t body) {
+    buffer<std::uint32_t> found;
+    if (s.is_awake_dynamic(body)) {
+        bit_array seen;
+        seen.grow(s.bodies.slots());
+        const auto add = [&](std::uint32_t i) {
+            if (!s.is_awake_dynamic(i) || seen[i]) return;
+            seen.set(i);
+            found.push_back(i);
+        };
+        add(body);
+        for (std::uint32_t k = 0; k < found.size(); ++k) {
+            const std::uint32_t i = found[k];
+            const body_id self{i, s.bodies.generation(i), s.tag};
+            for (const auto& c : own_contact_range<Plan>(s, i, no_shape))
+                if (c.touching) add(c.other(self).index);
+            each_connected(s.joints, i, add);
+        }
+    } else if constexpr (Plan::sleeps) {
+        if (s.is_asleep(body)) each_of_island(s.sleep, body, [&](std::uint32_t i) { found.push_back(i); });
+    }
+    sort_in_place(found.begin(), found.size(), [](std::uint32_t a, std::uint32_t b) { return a < b; });
+    buffer<body_id> result;
+    for (const std::uint32_t i : found) result.push_back({i, s.bodies.generation(i), s.tag});
+    return result;
+}
+
+}  // namespace detail
+
+/// Types and sleep of the bodies of a world.
+template <class World, class Plan>
+class body_functions {
+    using code = detail::world_code<Plan>;
+
+public:
+    [[nodiscard]] body_type type(body_id id) const {
+        const auto b = detail::find_body(data(), id, "type");
+        return b ? data().bodies[b.index].given_type : body_type::static_body;
+    }
+    /// Changes how a body moves; a static body loses its velocity. O(shapes + contacts).
+    void set_type(body_id id, body_type type) {
+        if (const auto b = detail::find_body(data(), id, "set_type")) code::set_type(data(), b.index, type);
+    }
+    [[nodiscard]] bool enabled(body_id id) const {
+        const auto b = detail::find_body(data(), id, "enabled");
+        return b && data().bodies[b.index].enabled;
+    }
+    /// Takes a body out of the simulation, or puts it back, as it is: it stands where it is, meets nothing, no query
+    /// finds it and its joints hold nothing. All of it may be changed meanwhile, but forces, impulses and targets,
+    /// which are refused. Its contacts end, and what touched it wakes; so does what it meets when it comes back. In
+    /// contrast to destroy_body its handle, shapes, joints and velocities stay. O(shapes + contacts).
+    void set_enabled(body_id id, bool enabled) {
+        if (const auto b = detail::find_body(data(), id, "set_enabled")) code::set_enabled(data(), b.index, enabled);
+    }
+
+    /// True while the body sleeps: an island of bodies that has been still for long enough (settings().sleeping) leaves
+    /// the step, until something touches it or a call changes it. Sleepers cost nothing.
+    [[nodiscard]] bool is_asleep(body_id id) const {
+        const auto b = detail::find_body(data(), id, "is_asleep");
+        return b && data().is_asleep(b.index);
+    }
+    /// Wakes a body and its island. O(contacts of sleepers).
+    void wake(body_id id) {
+        if (const auto b = detail::find_body(data(), id, "wake")) code::wake(data(), b.index);
+    }
+    /// False keeps a body awake, and those that touch it.
+    [[nodiscard]] bool can_sleep(body_id id) const {
+        const auto b = detail::find_body(data(), id, "can_sleep");
+        return b && data().bodies[b.index].can_sleep;
+    }
+    void set_can_sleep(body_id id, bool can) {
+        const auto b = detail::find_body(data(), id, "set_can_sleep");
+        if (!b) return;
+        data().bodies[b.index].can_sleep = can;
+        if (!can) code::wake(data(), b.index);
+    }
+    /// Number of dynamic bodies that are awake, and of kinematic ones that move. O(bodies).
+    [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(data()); }
+    /// The island of a dynamic body, in ascending order: itself, and all dynamic ones that touch it or are held to it
+    /// by joints, directly or through others; of a sleeper those that fell asleep with it. Empty for other bodies.
+    /// O(bodies / 64 + contacts and joints of the island).
+    [[nodiscard]] buffer<body_id> island(body_id id) const {
+        const auto b = detail::find_body(data(), id, "island");
+        return b ? detail::scoped([&] { return detail::island_of(data(), b.index); }) : buffer<body_id>{};
+    }
+
+private:
+    const auto& data() const { return detail::world_access::data_of(static_cast<const World&>(*this)); }
+    auto& data() { return detail::world_access::data_of(static_cast<World&>(*this)); }
+};
+
+PHYSICS_HPP_END
 
 // =================================================================================================
 // physics/world/contact_functions.hpp
@@ -39241,6 +39424,7 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
     record.slot = of_kind.next_index();
     record.enabled = def.enabled;
     record.collide_connected = def.collide_connected;
+    record.bodies_enabled = s.bodies[a.index].enabled && s.bodies[b.index].enabled;
     record.break_force = def.break_force;
     record.break_torque = def.break_torque;
     record.user_data = def.user_data;
@@ -39798,7 +39982,8 @@ class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::typ
                                            detail::plan_of<Recipe>::type::dimension>,
               public joint_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
               public query_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
-              public contact_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
+              public contact_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
+              public body_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
     friend detail::world_access;
     using plan = typename detail::plan_of<Recipe>::type;
     using of_joints = joint_functions<world, plan>;
@@ -39948,7 +40133,7 @@ public:
     /// body's until the step after, in which it stands unless told to go on. In recipes without rotation it cannot turn
     /// on the way: only set_pose does that.
     void move_to(body_id id, vec position, const rotation_type& rotation) {
-        const auto b = detail::find_kinematic(data_, id, "move_to");
+        const auto b = detail::if_enabled(data_, detail::find_kinematic(data_, id, "move_to"), "move_to");
         if (b && detail::check_pose("move_to", position, rotation)) code::move_to(data_, b.index, position, rotation);
     }
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
@@ -40012,14 +40197,6 @@ public:
         code::add_angular_impulse(data_, id, impulse);
     }
 
-    [[nodiscard]] body_type type(body_id id) const {
-        const auto b = find(id, "type");
-        return b ? data_.bodies[b.index].type : body_type::static_body;
-    }
-    /// Changes how a body moves; a static body loses its velocity. O(shapes + contacts).
-    void set_type(body_id id, body_type type) {
-        if (const auto b = find(id, "set_type")) code::set_type(data_, b.index, type);
-    }
     /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame. Static and kinematic bodies take none
     /// from their shapes: they have mass 0 and their centre at the origin.
     [[nodiscard]] mass_properties mass(body_id id) const {
@@ -40070,28 +40247,6 @@ public:
         const auto b = find(id, "set_rotation_locked");
         if (b) code::set_rotation_locked(data_, b.index, locked);
     }
-    /// True while the body sleeps: an island of bodies that has been still for long enough (settings().sleeping) leaves
-    /// the step, until something touches it or a call changes it. Sleepers cost nothing.
-    [[nodiscard]] bool is_asleep(body_id id) const {
-        const auto b = find(id, "is_asleep");
-        return b && data_.is_asleep(b.index);
-    }
-    /// Wakes a body and its island. O(contacts of sleepers).
-    void wake(body_id id) {
-        if (const auto b = find(id, "wake")) code::wake(data_, b.index);
-    }
-    /// False keeps a body awake, and those that touch it.
-    [[nodiscard]] bool can_sleep(body_id id) const {
-        return get(id, "can_sleep", [](const auto& b) { return b.can_sleep; });
-    }
-    void set_can_sleep(body_id id, bool can) {
-        const auto b = find(id, "set_can_sleep");
-        if (!b) return;
-        data_.bodies[b.index].can_sleep = can;
-        if (!can) code::wake(data_, b.index);
-    }
-    /// Number of dynamic bodies that are awake, and of kinematic ones that move. O(bodies).
-    [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(data_); }
     /// Whether moving bodies stop it too on its way through a step (see swept), and what the last step's sweeps did.
     [[nodiscard]] bool continuous(body_id id) const { return detail::is_continuous(data_, id); }
     void set_continuous(body_id id, bool on) { detail::set_continuous(data_, id, on); }
@@ -40266,7 +40421,7 @@ double largest_joint_load([[maybe_unused]] const state<Plan>& s) {
             if constexpr (Joint::row_count > 0)
                 of_kind.each([&](std::uint32_t, const stored_joint<Joint, S>& j) {
                     const joint_record& record = s.joints.records[j.number];
-                    if (record.enabled && j.is_iterated && j.step > S(0))
+                    if (record.holds() && j.is_iterated && j.step > S(0))
                         largest = max(largest, load_of(j, s.bodies[record.body_a], s.bodies[record.body_b]));
                 });
         });
@@ -41338,8 +41493,8 @@ struct debug_draw_options {
     int sides = 24;
 
     debug_color of_static{128, 128, 128}, of_kinematic{64, 128, 255}, of_awake{255, 176, 64}, of_asleep{112, 96, 80},
-        of_sensor{96, 208, 96}, of_contact{255, 64, 64}, of_normal{255, 224, 64}, of_joint{208, 96, 208},
-        of_box{96, 96, 160}, of_velocity{96, 224, 224};
+        of_disabled{64, 64, 64}, of_sensor{96, 208, 96}, of_contact{255, 64, 64}, of_normal{255, 224, 64},
+        of_joint{208, 96, 208}, of_box{96, 96, 160}, of_velocity{96, 224, 224};
 
 private:
     static constexpr aabb<S, D> everything() {
@@ -41383,6 +41538,7 @@ private:
 
     [[nodiscard]] bool is_seen(const aabb<S, D>& box) const { return overlap(box, with_.view); }
     [[nodiscard]] debug_color color_of(body_id b) const {
+        if (!w_.enabled(b)) return with_.of_disabled;
         switch (w_.type(b)) {
             case body_type::static_body: return with_.of_static;
             case body_type::kinematic_body: return with_.of_kinematic;

@@ -335,6 +335,7 @@
 #include "physics/step/warm_impulses.hpp"
 #include "physics/world/advance.hpp"
 #include "physics/world/audit.hpp"
+#include "physics/world/body_functions.hpp"
 #include "physics/world/check.hpp"
 #include "physics/world/contact_functions.hpp"
 #include "physics/world/edit.hpp"

@@ -9,7 +9,7 @@ template <class Recipe>
 void session<Recipe>::change_body() {
     const body_id b = any_body();
     const bool is = lives(b);
-    const int what = v.below(24);
+    const int what = v.below(26);
     const vec x = v.vector(what < 3 ? 4 : 8), at = v.vector(2);
     const auto to = [&](auto&& f) { return apply_to(is, f); };
     switch (what) {
@@ -68,6 +68,8 @@ void session<Recipe>::change_body() {
         case 20: to([&](world& on) { on.set_rotation_locked(b, !on.rotation_locked(b)); }); break;
         case 21: to([&](world& on) { on.set_can_sleep(b, !on.can_sleep(b)); }); break;
         case 22: to([&](world& on) { on.wake(b); }); break;
+        case 23:
+        case 24: to([&](world& on) { on.set_enabled(b, !on.enabled(b)); }); break;
         default:
             to([&](world& on) {
                 on.set_continuous(b, !on.continuous(b));

@@ -118,9 +118,12 @@ CELL_CASE("drawing: bodies are coloured by what they do, and only what is in vie
     h.w.set_linear_velocity(h.bodies[2], along(1, 1));
     for (int i = 0; i < 60; ++i) h.w.step(S(1.0 / 60));
     REQUIRE(h.w.is_asleep(h.bodies[3]));
+    const body_id taken_out = h.w.create_body({.position = along(0, -2), .enabled = false});
+    h.w.create_shape(taken_out, world::ball{S(0.25)});
     pen drawn;
     debug_draw(h.w, drawn, with);
-    for (const debug_color c : {with.of_kinematic, with.of_static, with.of_sensor, with.of_awake, with.of_asleep})
+    for (const debug_color c :
+         {with.of_kinematic, with.of_static, with.of_sensor, with.of_awake, with.of_asleep, with.of_disabled})
         CHECK(drawn.strokes(c) > 0);
     pen one;
     options narrow;

@@ -121,7 +121,7 @@ struct crowd {
         return bodies[static_cast<std::size_t>(dice.below(static_cast<int>(bodies.size())))];
     }
     void change(cell::dice& dice) {
-        const int what = dice.below(16);
+        const int what = dice.below(18);
         if (bodies.size() < 4 || what < 5) {
             vec where = dice.vec<vec>(-1, 1);
             where.y = S(dice.number(0, 2.5));
@@ -151,7 +151,9 @@ struct crowd {
             w.set_can_sleep(b, dice.below(2) == 0);
         } else if (what == 14) {
             w.wake(b);
-        } else if (w.type(b) == body_type::dynamic_body) {
+        } else if (what > 15) {
+            w.set_enabled(b, !w.enabled(b));
+        } else if (w.type(b) == body_type::dynamic_body && w.enabled(b)) {
             w.apply_impulse(b, dice.vec<vec>(-1, 1));
         }
     }

@@ -270,5 +270,59 @@ CELL_CASE("joint states: so does an arm on its cone") {
 }
 #endif
 
+template <class World>
+void joints_of_disabled_bodies_hold_nothing() {
+    World w = falling<World>(), twin = falling<World>();
+    const auto chain = add_chain(w, 3, at(0));
+    const body_id free = add_ball(twin, at(1.5));
+    std::vector<joint_id> all;
+    for (std::size_t i = 1; i < 4; ++i)
+        all.push_back(
+            w.create_joint(chain[i - 1], chain[i], ball_joint{at(i == 1 ? 0 : 0.25), at(-0.25 - 0.25 * (i == 1))}));
+    w.set_enabled(chain[2], false);
+    const auto stands = w.pose(chain[2]);
+    const auto step_both = [&](int steps) {
+        for (int i = 0; i < steps; ++i) {
+            w.step(S(1.0 / 64));
+            twin.step(S(1.0 / 64));
+        }
+    };
+    step_both(16);
+    CHECK(w.pose(chain[2]) == stands);
+    // The last one falls, the first one swings on.
+    CHECK(w.pose(chain[3]) == twin.pose(free));
+    CHECK(number(w.position(chain[1])[1]) < -0.1);
+    CHECK(length_of(w.position(chain[1])) == doctest::Approx(0.5).epsilon(0.01));
+    CHECK(w.joint_enabled(all[2]));
+    // A joint that is made to one that is disabled waits too.
+    w.destroy_joint(all[2]);
+    const joint_id late = w.create_joint(chain[2], chain[3], ball_joint{at(0.25), at(-0.25)});
+    step_both(16);
+    CHECK(w.pose(chain[3]) == twin.pose(free));
+    w.set_enabled(chain[2], true);
+    step_both(256);
+    CHECK(distance_of(w, chain[1], chain[2]) < 0.55);
+    CHECK(distance_of(w, chain[2], chain[3]) < 0.55);
+    CHECK(w.joint_enabled(late));
+    // What hangs asleep falls when its anchor goes.
+    for (std::size_t i = 1; i < 4; ++i) w.set_damping(chain[i], S(4), S(4));
+    step_both(1500);
+    CHECK(w.is_asleep(chain[3]));
+    CHECK(w.island(chain[3]).size() == 3);
+    w.set_enabled(chain[0], false);
+    CHECK(!w.is_asleep(chain[3]));
+    CHECK(w.island(chain[3]).size() == 3);
+    const S before = w.position(chain[1])[1];
+    step_both(32);
+    // By g / c (t - (1 - e^(-c t)) / c) with the damping c.
+    CHECK(number(before - w.position(chain[1])[1]) == doctest::Approx(0.71).epsilon(0.02));
+}
+CELL_CASE("joint states: a joint holds nothing while one of its bodies is disabled") {
+    SUBCASE("soft_step") { joints_of_disabled_bodies_hold_nothing<physics::world<kind_laws::kinds<>>>(); }
+    SUBCASE("sequential_impulse") {
+        joints_of_disabled_bodies_hold_nothing<physics::world<kind_laws::kinds<physics::sequential_impulse>>>();
+    }
+}
+
 }  // namespace joint_state_laws
 }  // namespace

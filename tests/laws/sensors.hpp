@@ -69,7 +69,8 @@ bool should_see(const world& w, shape_id sensor, shape_id visitor) {
     const filter a = w.filter(sensor), b = w.filter(visitor);
     const bool meets =
         a.group != 0 && a.group == b.group ? a.group > 0 : (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
-    return meets && w.is_sensor(sensor) && !w.is_sensor(visitor) && w.body(sensor) != w.body(visitor) &&
+    const bool both = w.enabled(w.body(sensor)) && w.enabled(w.body(visitor));
+    return both && meets && w.is_sensor(sensor) && !w.is_sensor(visitor) && w.body(sensor) != w.body(visitor) &&
            w.type(w.body(visitor)) != body_type::static_body;
 }
 
@@ -98,7 +99,7 @@ struct crowd {
         return bodies[static_cast<std::size_t>(dice.below(static_cast<int>(bodies.size())))];
     }
     void change(cell::dice& dice) {
-        const int what = dice.below(14);
+        const int what = dice.below(15);
         if (bodies.size() < 6 || what < 4) {
             vec where = dice.vec<vec>(-1.5, 1.5);
             where.y = S(dice.number(0, 2.5));
@@ -129,6 +130,8 @@ struct crowd {
             for (const shape_id s : w.shapes(b)) w.set_filter(s, {.mask = dice.below(2) ? 2u : 1u});
         } else if (what == 11) {
             w.wake(b);
+        } else if (what > 13) {
+            w.set_enabled(b, !w.enabled(b));
         } else if (w.type(b) == body_type::kinematic_body) {
             w.set_linear_velocity(b, dice.below(2) ? vec{} : dice.vec<vec>(-1, 1));
         }

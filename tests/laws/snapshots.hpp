@@ -231,18 +231,18 @@ private:
             if (w.type(b) != body_type::static_body) all.push_back(b);
         const auto any = [&] { return all[static_cast<std::size_t>(dice.below(static_cast<int>(all.size())))]; };
         const body_id body = any();
-        const bool dynamic = w.type(body) == body_type::dynamic_body;
-        switch (dice.below(14)) {
+        const bool dynamic = w.type(body) == body_type::dynamic_body, enabled = w.enabled(body);
+        switch (dice.below(16)) {
             case 0: add_body(dice, at(dice.number(-8, 8), dice.number(3, 5))); break;
             case 1:
                 if (all.size() < 10) add_body(dice, at(dice.number(-8, 8), 4));
                 else w.destroy_body(body);
                 break;
             case 2:
-                if (dynamic) w.apply_impulse(body, at(0, 3));
+                if (dynamic && enabled) w.apply_impulse(body, at(0, 3));
                 break;
             case 3:
-                if (dynamic) w.apply_torque(body, spin(dice.number(-5, 5)));
+                if (dynamic && enabled) w.apply_torque(body, spin(dice.number(-5, 5)));
                 break;
             case 4: w.set_linear_velocity(body, at(dice.number(-90, 90), 5)); break;
             case 5: w.set_pose(body, w.position(body) + at(0, 0.25), w.rotation(body)); break;
@@ -265,13 +265,15 @@ private:
                 w.set_settings(with);
                 break;
             }
+            case 11:
+            case 12: w.set_enabled(body, !enabled); break;
             default: break;
         }
         // Some wait for the next step with a force or a target.
-        if (tick % 4 == 1 && w.contains(body) && w.type(body) == body_type::dynamic_body)
+        if (tick % 4 == 1 && w.contains(body) && w.type(body) == body_type::dynamic_body && w.enabled(body))
             w.apply_force(body, at(dice.number(-50, 50), 20));
         for (const body_id b : w.bodies())
-            if (w.type(b) == body_type::kinematic_body && tick % 3 == 0)
+            if (w.type(b) == body_type::kinematic_body && w.enabled(b) && tick % 3 == 0)
                 w.move_to(b, w.position(b) + at(0.0625, 0), w.rotation(b));
     }
     static constexpr bool world_sweeps = physics::detail::plan_of<Recipe>::type::sweeps;

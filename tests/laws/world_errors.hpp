@@ -48,6 +48,9 @@ const entry<body_id> body_entries[] = {
     {"apply_angular_impulse", [](world& w, body_id b) { w.apply_angular_impulse(b, {}); }},
     {"type", [](world& w, body_id b) { (void)w.type(b); }},
     {"set_type", [](world& w, body_id b) { w.set_type(b, body_type::static_body); }},
+    {"enabled", [](world& w, body_id b) { (void)w.enabled(b); }},
+    {"set_enabled", [](world& w, body_id b) { w.set_enabled(b, false); }},
+    {"island", [](world& w, body_id b) { (void)w.island(b); }},
     {"mass", [](world& w, body_id b) { (void)w.mass(b); }},
     {"set_mass",
      [](world& w, body_id b) {

@@ -82,7 +82,9 @@ struct body {
     std::uint64_t user_data = 0;
     /// The shape of the highest number.
     std::uint32_t first_shape = detail::null_index;
-    body_type type = body_type::dynamic_body;
+    /// How it moves: as its user says while it is enabled; else it stands.
+    body_type type = body_type::dynamic_body, given_type = body_type::dynamic_body;
+    bool enabled = true;
     bool rotation_locked = !Rotates;
     bool can_sleep = true;
     /// True if the inertia depends on the axis: then the spin changes even without torque.
@@ -94,7 +96,8 @@ struct body {
     bool continuous = false;
     PHYSICS_HPP_MEMBERS(center, rotation, velocity, force, torque, mass, inverse_mass, inverse_inertia, spin,
                         linear_damping, angular_damping, gravity_scale, target, user_data, first_shape, type,
-                        rotation_locked, can_sleep, is_gyroscopic, mass_is_set, has_target, at_target, continuous)
+                        given_type, enabled, rotation_locked, can_sleep, is_gyroscopic, mass_is_set, has_target,
+                        at_target, continuous)
 
     /// The pose of the body's own frame, in which its shapes lie.
     [[nodiscard]] constexpr transform<S, D> pose() const { return {center - rotation * mass.center, rotation}; }

@@ -35,8 +35,8 @@ struct debug_draw_options {
     int sides = 24;
 
     debug_color of_static{128, 128, 128}, of_kinematic{64, 128, 255}, of_awake{255, 176, 64}, of_asleep{112, 96, 80},
-        of_sensor{96, 208, 96}, of_contact{255, 64, 64}, of_normal{255, 224, 64}, of_joint{208, 96, 208},
-        of_box{96, 96, 160}, of_velocity{96, 224, 224};
+        of_disabled{64, 64, 64}, of_sensor{96, 208, 96}, of_contact{255, 64, 64}, of_normal{255, 224, 64},
+        of_joint{208, 96, 208}, of_box{96, 96, 160}, of_velocity{96, 224, 224};
 
 private:
     static constexpr aabb<S, D> everything() {
@@ -80,6 +80,7 @@ private:
 
     [[nodiscard]] bool is_seen(const aabb<S, D>& box) const { return overlap(box, with_.view); }
     [[nodiscard]] debug_color color_of(body_id b) const {
+        if (!w_.enabled(b)) return with_.of_disabled;
         switch (w_.type(b)) {
             case body_type::static_body: return with_.of_static;
             case body_type::kinematic_body: return with_.of_kinematic;

@@ -21,12 +21,15 @@ struct joint_record {
     /// Which kind it is of, and which of that kind.
     std::uint32_t kind = 0, slot = 0;
     bool enabled = true, collide_connected = false;
+    /// Whether both of its bodies are enabled.
+    bool bodies_enabled = true;
     /// By which force and torque it breaks (N, N m); 0: by none.
     double break_force = 0, break_torque = 0;
     std::uint64_t user_data = 0;
-    PHYSICS_HPP_MEMBERS(body_a, body_b, next_a, next_b, kind, slot, enabled, collide_connected, break_force,
-                        break_torque, user_data)
+    PHYSICS_HPP_MEMBERS(body_a, body_b, next_a, next_b, kind, slot, enabled, collide_connected, bodies_enabled,
+                        break_force, break_torque, user_data)
 
+    [[nodiscard]] bool holds() const { return enabled && bodies_enabled; }
     [[nodiscard]] bool can_break() const { return break_force > 0 || break_torque > 0; }
 
     [[nodiscard]] std::uint32_t other(std::uint32_t body) const { return body == body_a ? body_b : body_a; }
@@ -117,7 +120,7 @@ struct joint_set<S, D, joints<Joints...>> : joint_pool<Joints<S, D>, S>... {
         if (first[a] == no_joint || first[b] == no_joint) return false;
         bool result = false;
         each_of(a, [&](std::uint32_t, const joint_record& r) {
-            result = result || (r.enabled && !r.collide_connected && r.other(a) == b);
+            result = result || (r.holds() && !r.collide_connected && r.other(a) == b);
         });
         return result;
     }
@@ -181,7 +184,7 @@ void list_joints(joint_set<S, D, Joints>& all, const pool<body<S, D, Rotates>>& 
         if constexpr (Joint::row_count > 0)
             of_kind.each([&](std::uint32_t slot, const stored_joint<Joint, S>& from) {
                 const joint_record& record = all.records[from.number];
-                if (!record.enabled || (!is_pushed(record.body_a) && !is_pushed(record.body_b))) return;
+                if (!record.holds() || (!is_pushed(record.body_a) && !is_pushed(record.body_b))) return;
                 const auto &a = bodies[record.body_a], &b = bodies[record.body_b];
                 auto& j = to.emplace_back(&from.joint, frames_between<Joint>(a, b));
                 for (int k = 0; k < Joint::row_count; ++k) j.impulse[k] = from.impulse[k];
@@ -264,7 +267,7 @@ void each_connected(const no_joints&, std::uint32_t, F&&) {}
 template <class Joints, class F>
 void each_connected(const Joints& joints, std::uint32_t body, F&& f) {
     joints.each_of(body, [&](std::uint32_t, const joint_record& r) {
-        if (r.enabled && joints.holds(r.kind)) f(r.other(body));
+        if (r.holds() && joints.holds(r.kind)) f(r.other(body));
     });
 }
 

@@ -236,6 +236,8 @@ template <class Plan>
 proxy_filter filter_of(const pool<typename Plan::body>& bodies, const sleep_of<Plan>& sleep,
                        const shape_record<Plan>& shape) {
     const collision_filter& f = shape.filter;
+    // Of no category and no kind, it is found by nothing.
+    if (!bodies[shape.body].enabled) return {0, 0, 0, shape.body, false, shape.sensor, 0};
     const auto kinds = static_cast<std::uint8_t>(1u << static_cast<unsigned>(bodies[shape.body].type));
     return {f.category, f.mask, f.group, shape.body, is_movable<Plan>(bodies, sleep, shape.body), shape.sensor, kinds};
 }

@@ -51,27 +51,33 @@ lookup find_shape(State& s, shape_id id, const char* function) {
 inline const char* name_of(body_type type) {
     return type == body_type::static_body ? "static" : type == body_type::kinematic_body ? "kinematic" : "dynamic";
 }
-/// The same for calls that only dynamic bodies take,
+/// The same for calls that only bodies of a type take, enabled or not,
 template <class State>
-lookup find_dynamic(State& s, body_id id, const char* function) {
+lookup find_of_type(State& s, body_id id, const char* function, body_type type, const char* must) {
     const lookup f = find_body(s, id, function);
-    if (f && !s.bodies[f.index].is_dynamic())
-        return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be dynamic")};
+    if (f && s.bodies[f.index].given_type != type)
+        return {0, refuse(function, "body", name_of(s.bodies[f.index].given_type), must)};
     return f;
 }
-/// only kinematic ones,
+template <class State>
+lookup find_dynamic(State& s, body_id id, const char* function) {
+    return find_of_type(s, id, function, body_type::dynamic_body, "it must be dynamic");
+}
 template <class State>
 lookup find_kinematic(State& s, body_id id, const char* function) {
-    const lookup f = find_body(s, id, function);
-    if (f && s.bodies[f.index].type != body_type::kinematic_body)
-        return {0, refuse(function, "body", name_of(s.bodies[f.index].type), "it must be kinematic")};
+    return find_of_type(s, id, function, body_type::kinematic_body, "it must be kinematic");
+}
+/// only enabled ones,
+template <class State>
+lookup if_enabled(State& s, const lookup& f, const char* function) {
+    if (f && !s.bodies[f.index].enabled) return {0, refuse(function, "body", "disabled", "it must be enabled")};
     return f;
 }
 /// and only those that have a velocity.
 template <class State>
 lookup find_moving(State& s, body_id id, const char* function) {
     const lookup f = find_body(s, id, function);
-    if (f && s.bodies[f.index].type == body_type::static_body)
+    if (f && s.bodies[f.index].given_type == body_type::static_body)
         return {0, refuse(function, "body", "static", "it must be dynamic or kinematic")};
     return f;
 }

@@ -14,7 +14,9 @@ body_id create_body(world_data<Plan>& s, const body_def<typename Plan::scalar, P
         !check_continuous<Plan>("create_body", def.continuous))
         return {};
     typename Plan::body b;
-    b.type = def.type;
+    b.type = def.enabled ? def.type : body_type::static_body;
+    b.given_type = def.type;
+    b.enabled = def.enabled;
     b.rotation = normalized(def.rotation);
     b.center = def.position;
     if (def.type != body_type::static_body) b.velocity.linear = def.linear_velocity;
@@ -55,7 +57,8 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
         return {};
     }
     const auto& owner = s.bodies[body];
-    if (!has_mass && owner.is_dynamic() && !def.sensor) {
+    const bool is_dynamic = owner.given_type == body_type::dynamic_body;
+    if (!has_mass && is_dynamic && !def.sensor) {
         refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
         return {};
     }
@@ -72,7 +75,7 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     update_pose(record, owner.pose(), owner.center);
     const auto box = query_bounds(s, record);
     if (!check_extent(f, box)) return {};
-    if (def.density > S(0) && !def.sensor && owner.is_dynamic() && !owner.mass_is_set &&
+    if (def.density > S(0) && !def.sensor && is_dynamic && !owner.mass_is_set &&
         !check_shapes_mass(s, body, f, no_shape, &record))
         return {};
     // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
@@ -90,7 +93,7 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     s.shapes[place.index].next = std::exchange(*link, place.index);
     s.broadphase.insert(place.index, box, filter_of(s, record));
     // What is not dynamic takes no mass from it: n shapes on one body cost O(n).
-    if (owner.is_dynamic()) refresh_mass(s, body);
+    if (is_dynamic) refresh_mass(s, body);
     else if (!def.sensor) extend_extent(s, s.shapes[place.index]);
     wake_near_shape(s, place.index);
     return {place.index, place.generation, s.tag};
@@ -154,7 +157,7 @@ void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
     constexpr int D = Plan::dimension;
     const char* f = "set_type";
     auto& b = s.bodies[index];
-    if (!check_type(f, type) || type == b.type) return;
+    if (!check_type(f, type) || type == b.given_type) return;
     if (type == body_type::dynamic_body) {
         bool solid = true;
         each_shape(s, index, [&](std::uint32_t, const auto& record) {
@@ -177,7 +180,8 @@ void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
     }
     b.has_target = false;
     b.at_target = false;
-    b.type = type;
+    b.given_type = type;
+    if (b.enabled) b.type = type;
     s.awake.is_stale = true;
     refresh_mass(s, index);
     reinsert_proxies(s, index);
@@ -185,6 +189,54 @@ void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
         const std::uint32_t first = c.bodies.body_a, second = c.bodies.body_b;
         return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
     });
+}
+
+/// Tells joints of a body whether both of theirs are enabled.
+template <class Plan>
+void note_enabled([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] std::uint32_t index) {
+    if constexpr (Plan::has_joints)
+        s.joints.each_of(index, [&](std::uint32_t i, const joint_record& record) {
+            s.joints.records[i].bodies_enabled = s.bodies[record.body_a].enabled && s.bodies[record.body_b].enabled;
+        });
+}
+template <class Plan>
+void disable(world_data<Plan>& s, std::uint32_t index) {
+    auto& b = s.bodies[index];
+    wake_affected(s, index);
+    // What sleeps in its sensors is looked at again; those of a static body wake it.
+    b.type = body_type::static_body;
+    each_shape(s, index, [&](std::uint32_t shape, const auto& record) {
+        if (record.sensor) wake_near_shape(s, shape);
+    });
+    b.enabled = false;
+    if (b.at_target) b.velocity = {};
+    b.has_target = b.at_target = false;
+    b.force = {};
+    b.torque = {};
+    set_mass_properties(s, index, b.mass);
+    note_enabled(s, index);
+    drop_contacts(s, [&](const auto& c) { return c.bodies.body_a == index || c.bodies.body_b == index; });
+    s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
+    s.awake.is_stale = true;
+    reinsert_proxies(s, index);
+}
+template <class Plan>
+void enable(world_data<Plan>& s, std::uint32_t index) {
+    auto& b = s.bodies[index];
+    b.enabled = true;
+    b.type = b.given_type;
+    if constexpr (Plan::sleeps) s.sleep.start(index, b.center);
+    refresh_mass(s, index);
+    note_enabled(s, index);
+    s.awake.is_stale = true;
+    reinsert_proxies(s, index);
+    wake_near(s, index);
+}
+template <class Plan>
+void set_enabled(world_data<Plan>& s, std::uint32_t index, bool enabled) {
+    if (enabled == s.bodies[index].enabled) return;
+    if (enabled) enable(s, index);
+    else disable(s, index);
 }
 
 template <class Plan>

@@ -45,7 +45,7 @@ template <class Plan, class F>
 void apply_at(world_data<Plan>& s, body_id id, const char* function, const char* field,
               vec<typename Plan::scalar, Plan::dimension> force, bool local,
               const vec<typename Plan::scalar, Plan::dimension>* point, F&& f) {
-    const lookup at = find_dynamic(s, id, function);
+    const lookup at = if_enabled(s, find_dynamic(s, id, function), function);
     if (!at || !check_in_range(function, field, force) || (point && !check_in_range(function, "point", *point))) return;
     auto& b = s.bodies[at.index];
     vec<typename Plan::scalar, Plan::dimension> anchor;
@@ -96,7 +96,7 @@ void add_impulse(world_data<Plan>& s, body_id id, const char* function,
 template <class Plan>
 void add_torque(world_data<Plan>& s, body_id id, physics::angular<typename Plan::scalar, Plan::dimension> torque) {
     const char* f = "apply_torque";
-    const lookup at = find_dynamic(s, id, f);
+    const lookup at = if_enabled(s, find_dynamic(s, id, f), f);
     if (!at || !check_in_range(f, "torque", torque)) return;
     auto& b = s.bodies[at.index];
     if (!assign(b.torque, b.torque + torque)) refuse_action(f, "torque", largest_magnitude(torque));
@@ -106,7 +106,7 @@ template <class Plan>
 void add_angular_impulse(world_data<Plan>& s, body_id id,
                          physics::angular<typename Plan::scalar, Plan::dimension> impulse) {
     const char* f = "apply_angular_impulse";
-    const lookup at = find_dynamic(s, id, f);
+    const lookup at = if_enabled(s, find_dynamic(s, id, f), f);
     if (!at || !check_in_range(f, "impulse", impulse)) return;
     auto& b = s.bodies[at.index];
     const auto inverse_inertia = in_world(b.inverse_inertia, b.rotation);

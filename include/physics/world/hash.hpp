@@ -49,7 +49,8 @@ public:
     void add(const body<S, D, Rotates>& b) {
         add(static_cast<std::uint64_t>(b.type) | std::uint64_t{b.rotation_locked} << 8 |
             std::uint64_t{b.mass_is_set} << 9 | std::uint64_t{b.has_target} << 10 | std::uint64_t{b.can_sleep} << 11 |
-            std::uint64_t{b.at_target} << 12 | std::uint64_t{b.continuous} << 16);
+            std::uint64_t{b.at_target} << 12 | std::uint64_t{b.continuous} << 16 | std::uint64_t{!b.enabled} << 17 |
+            static_cast<std::uint64_t>(b.given_type) << 24);
         add(b.center);
         add(b.rotation);
         add(b.velocity.linear);
@@ -106,7 +107,7 @@ public:
     void add(const joint_record& r) {
         add(std::uint64_t{r.body_a} << 32 | r.body_b);
         add(std::uint64_t{r.kind} << 32 | r.slot);
-        add(std::uint64_t{r.enabled} | std::uint64_t{r.collide_connected} << 1);
+        add(std::uint64_t{r.enabled} | std::uint64_t{r.collide_connected} << 1 | std::uint64_t{r.bodies_enabled} << 2);
         add(std::bit_cast<std::uint64_t>(r.break_force));
         add(std::bit_cast<std::uint64_t>(r.break_torque));
     }

@@ -89,6 +89,7 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
     record.slot = of_kind.next_index();
     record.enabled = def.enabled;
     record.collide_connected = def.collide_connected;
+    record.bodies_enabled = s.bodies[a.index].enabled && s.bodies[b.index].enabled;
     record.break_force = def.break_force;
     record.break_torque = def.break_torque;
     record.user_data = def.user_data;

@@ -104,10 +104,11 @@ template <class Plan>
 void refresh_mass(world_data<Plan>& s, std::uint32_t index) {
     using S = typename Plan::scalar;
     const auto& b = s.bodies[index];
+    const bool is_dynamic = b.given_type == body_type::dynamic_body;
     mass_properties<S, Plan::dimension> mass;
     if (b.mass_is_set) mass = b.mass;
-    else if (b.is_dynamic()) mass = mass_of_shapes<S>(s, index);
-    if (b.is_dynamic() && !(mass.mass > S(0))) mass = {S(1), {}, {}};
+    else if (is_dynamic) mass = mass_of_shapes<S>(s, index);
+    if (is_dynamic && !(mass.mass > S(0))) mass = {S(1), {}, {}};
     set_mass_properties(s, index, mass);
 }
 

@@ -120,7 +120,9 @@ template <class Plan>
 void destroy_shape(world_data<Plan>& s, std::uint32_t index) {
     const std::uint32_t body = s.shapes[index].body;
     const auto& owner = s.bodies[body];
-    if (owner.is_dynamic() && !owner.mass_is_set && !check_shapes_mass(s, body, "destroy_shape", index)) return;
+    if (owner.given_type == body_type::dynamic_body && !owner.mass_is_set &&
+        !check_shapes_mass(s, body, "destroy_shape", index))
+        return;
     wake_affected(s, body);
     drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
     s.memories.drop([&](std::uint32_t shape) { return shape == index; });

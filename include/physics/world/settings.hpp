@@ -66,6 +66,8 @@ struct body_def {
     bool rotation_locked = false;
     /// False keeps the body awake, and those that touch it.
     bool can_sleep = true;
+    /// False: it comes disabled (see set_enabled).
+    bool enabled = true;
     /// True if moving bodies stop this one too where it goes far in a step (see swept). Static ones stop every body.
     /// One that is slow itself is not looked after, however fast the others are.
     bool continuous = false;

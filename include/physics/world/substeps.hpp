@@ -97,7 +97,7 @@ double largest_joint_load([[maybe_unused]] const state<Plan>& s) {
             if constexpr (Joint::row_count > 0)
                 of_kind.each([&](std::uint32_t, const stored_joint<Joint, S>& j) {
                     const joint_record& record = s.joints.records[j.number];
-                    if (record.enabled && j.is_iterated && j.step > S(0))
+                    if (record.holds() && j.is_iterated && j.step > S(0))
                         largest = max(largest, load_of(j, s.bodies[record.body_a], s.bodies[record.body_b]));
                 });
         });

@@ -43,7 +43,8 @@ void wake_affected(world_data<Plan>& s, std::uint32_t body) {
 }
 template <class Plan>
 void wake_near(world_data<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
-    if constexpr (Plan::sleeps) wake_near(to_wake<Plan>(s, s.step), body, to);
+    if constexpr (Plan::sleeps)
+        if (s.bodies[body].enabled) wake_near(to_wake<Plan>(s, s.step), body, to);
 }
 template <class Plan>
 void wake_near(world_data<Plan>& s, std::uint32_t body) {
@@ -53,7 +54,7 @@ void wake_near(world_data<Plan>& s, std::uint32_t body) {
 template <class Plan>
 void wake_near_shape(world_data<Plan>& s, std::uint32_t shape) {
     if constexpr (Plan::sleeps)
-        if (s.sleep.sleepers != 0 &&
+        if (s.sleep.sleepers != 0 && s.bodies[s.shapes[shape].body].enabled &&
             (!s.shapes[shape].sensor || s.bodies[s.shapes[shape].body].type == body_type::static_body)) {
             const wake_input<Plan> w = to_wake<Plan>(s, s.step);
             w.step.near.clear();
@@ -72,6 +73,7 @@ template <class Plan>
 std::uint32_t count_awake(const state<Plan>& s) {
     std::uint32_t count = 0;
     s.bodies.each([&](std::uint32_t i, const auto& b) {
+        if (!b.enabled) return;
         const bool moves = b.has_target || !(b.at_target || b.velocity == decltype(b.velocity){});
         count += b.is_dynamic() ? !s.is_asleep(i) : moves;
     });

@@ -1,6 +1,7 @@
 // The world: what users hold.
 #pragma once
 
+#include "physics/world/body_functions.hpp"
 #include "physics/world/contact_functions.hpp"
 #include "physics/world/energy.hpp"
 #include "physics/world/joints.hpp"
@@ -24,7 +25,8 @@ class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::typ
                                            detail::plan_of<Recipe>::type::dimension>,
               public joint_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
               public query_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
-              public contact_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
+              public contact_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
+              public body_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
     friend detail::world_access;
     using plan = typename detail::plan_of<Recipe>::type;
     using of_joints = joint_functions<world, plan>;
@@ -174,7 +176,7 @@ public:
     /// body's until the step after, in which it stands unless told to go on. In recipes without rotation it cannot turn
     /// on the way: only set_pose does that.
     void move_to(body_id id, vec position, const rotation_type& rotation) {
-        const auto b = detail::find_kinematic(data_, id, "move_to");
+        const auto b = detail::if_enabled(data_, detail::find_kinematic(data_, id, "move_to"), "move_to");
         if (b && detail::check_pose("move_to", position, rotation)) code::move_to(data_, b.index, position, rotation);
     }
     void move_to(body_id id, const transform& pose) { move_to(id, pose.position, pose.rotation); }
@@ -238,14 +240,6 @@ public:
         code::add_angular_impulse(data_, id, impulse);
     }
 
-    [[nodiscard]] body_type type(body_id id) const {
-        const auto b = find(id, "type");
-        return b ? data_.bodies[b.index].type : body_type::static_body;
-    }
-    /// Changes how a body moves; a static body loses its velocity. O(shapes + contacts).
-    void set_type(body_id id, body_type type) {
-        if (const auto b = find(id, "set_type")) code::set_type(data_, b.index, type);
-    }
     /// Mass (kg), centre (m) and inertia about it (kg m^2) in the body's frame. Static and kinematic bodies take none
     /// from their shapes: they have mass 0 and their centre at the origin.
     [[nodiscard]] mass_properties mass(body_id id) const {
@@ -296,28 +290,6 @@ public:
         const auto b = find(id, "set_rotation_locked");
         if (b) code::set_rotation_locked(data_, b.index, locked);
     }
-    /// True while the body sleeps: an island of bodies that has been still for long enough (settings().sleeping) leaves
-    /// the step, until something touches it or a call changes it. Sleepers cost nothing.
-    [[nodiscard]] bool is_asleep(body_id id) const {
-        const auto b = find(id, "is_asleep");
-        return b && data_.is_asleep(b.index);
-    }
-    /// Wakes a body and its island. O(contacts of sleepers).
-    void wake(body_id id) {
-        if (const auto b = find(id, "wake")) code::wake(data_, b.index);
-    }
-    /// False keeps a body awake, and those that touch it.
-    [[nodiscard]] bool can_sleep(body_id id) const {
-        return get(id, "can_sleep", [](const auto& b) { return b.can_sleep; });
-    }
-    void set_can_sleep(body_id id, bool can) {
-        const auto b = find(id, "set_can_sleep");
-        if (!b) return;
-        data_.bodies[b.index].can_sleep = can;
-        if (!can) code::wake(data_, b.index);
-    }
-    /// Number of dynamic bodies that are awake, and of kinematic ones that move. O(bodies).
-    [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(data_); }
     /// Whether moving bodies stop it too on its way through a step (see swept), and what the last step's sweeps did.
     [[nodiscard]] bool continuous(body_id id) const { return detail::is_continuous(data_, id); }
     void set_continuous(body_id id, bool on) { detail::set_continuous(data_, id, on); }

@@ -52,6 +52,7 @@ struct world_code {
     static void add_angular_impulse(data& s, body_id body, angular impulse);
 
     static void set_type(data& s, std::uint32_t body, body_type type);
+    static void set_enabled(data& s, std::uint32_t body, bool enabled);
     static void set_mass(data& s, std::uint32_t body, const mass_properties<S, D>& mass);
     static void reset_mass(data& s, std::uint32_t body);
     static void set_rotation_locked(data& s, std::uint32_t body, bool locked);
@@ -152,6 +153,10 @@ void world_code<Plan>::add_angular_impulse(data& s, body_id body, angular impuls
 template <class Plan>
 void world_code<Plan>::set_type(data& s, std::uint32_t body, body_type type) {
     scoped([&] { detail::set_type(s, body, type); });
+}
+template <class Plan>
+void world_code<Plan>::set_enabled(data& s, std::uint32_t body, bool enabled) {
+    scoped([&] { detail::set_enabled(s, body, enabled); });
 }
 template <class Plan>
 void world_code<Plan>::set_mass(data& s, std::uint32_t body, const mass_properties<S, D>& mass) {
