@@ -31743,6 +31743,8 @@ struct hit {};
 struct sensor {};
 /// Bodies that fall asleep and wake up.
 struct sleep {};
+/// Bodies that a step moves.
+struct move {};
 }  // namespace event
 
 /// Which events a world tells of: events<event::contact, event::hit>. None by default; others cost nothing.
@@ -31761,7 +31763,10 @@ public:
     static constexpr bool hits = has<event::hit>;
     static constexpr bool sensors = has<event::sensor>;
     static constexpr bool sleep = has<event::sleep>;
-    static constexpr bool known = (is_one_of<Kinds, event::contact, event::hit, event::sensor, event::sleep> && ...);
+    static constexpr bool moves = has<event::move>;
+    static constexpr bool any = sizeof...(Kinds) > 0;
+    static constexpr bool known =
+        (is_one_of<Kinds, event::contact, event::hit, event::sensor, event::sleep, event::move> && ...);
 };
 
 /// When events are told of.
@@ -31807,6 +31812,14 @@ struct sensor_event {
     bool gone = false;
 };
 
+/// A body that the last step has moved or turned.
+struct move_event {
+    body_id body;
+    std::uint64_t user_data = 0;
+    /// True if it sleeps now: it stays there until it wakes.
+    bool fell_asleep = false;
+};
+
 namespace detail {
 
 struct no_event_settings {};
@@ -31842,6 +31855,7 @@ struct step_events {
     buffer<hit_event<S, D>> hits;
     buffer<sensor_event> sensor_begin, sensor_end;
     buffer<body_id> slept, woken;
+    buffer<move_event> moved;
     /// Pairs that have begun to touch and not ceased to, with a body that can be pushed: those of the last step, in
     /// ascending order, unless they have to be listed anew.
     buffer<proxy_pair> touching, now_touching;
@@ -31857,6 +31871,7 @@ struct step_events {
         sensor_end.clear();
         slept.clear();
         woken.clear();
+        moved.clear();
         is_stale = true;
     }
 };
@@ -31865,8 +31880,7 @@ struct no_events {
 };
 template <class Plan>
 using step_events_of =
-    std::conditional_t<Plan::events::contacts || Plan::events::hits || Plan::events::sensors || Plan::events::sleep,
-                       step_events<typename Plan::scalar, Plan::dimension>, no_events>;
+    std::conditional_t<Plan::events::any, step_events<typename Plan::scalar, Plan::dimension>, no_events>;
 
 /// Changes since the last step told of such -> what this one tells.
 template <class S, int D>
@@ -34623,6 +34637,21 @@ void publish(state<Plan>& s, step_data<Plan>& d, const Moved& moved, const warm_
     s.step_lengths = {warm.next_usual_step(s.steps), h};
 }
 
+/// Where bodies are, and were as the step began -> which of them it has moved, in ascending order.
+template <class S, int D, bool Rotates>
+void list_moved(const pool<body<S, D, Rotates>>& bodies, const buffer<transform<S, D>>& starts, const awake_list& awake,
+                std::uint16_t tag, buffer<move_event>& to) {
+    to.clear();
+    for (const std::uint32_t i : awake) {
+        const auto& b = bodies[i];
+        const auto& start = starts[i];
+        if (b.center == start.position && b.rotation == start.rotation) continue;
+        to.push_back({{i, bodies.generation(i), tag}, b.user_data, false});
+    }
+    sort_in_place(to.begin(), to.size(),
+                  [](const move_event& a, const move_event& b) { return a.body.index < b.body.index; });
+}
+
 }  // namespace detail
 
 PHYSICS_HPP_END
@@ -35917,6 +35946,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     }
     // Results -> bodies and contacts. From here on nothing fails.
     publish(s, d, moved, warm, h);
+    if constexpr (Plan::events::moves) list_moved(s.bodies, s.contact_starts, s.awake, s.tag, d.events.moved);
     if constexpr (Plan::has_joints) break_joints(d.joints, s.bodies, s.joints, s.sleep);
     if constexpr (Plan::sweeps) s.continuous.report = sweep_report;
     if constexpr (Plan::sleeps) {
@@ -35936,6 +35966,8 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
             d.note_contacts_moved();
         }
         if constexpr (Plan::events::sleep) publish_sleep_changes(s.sleep.changes, s.tag, d.events);
+        if constexpr (Plan::events::moves)
+            for (move_event& e : d.events.moved) e.fell_asleep = s.is_asleep(e.body.index);
     }
     d.contacts_of.is_stale = true;
     done(step_stage::finish);
@@ -39195,6 +39227,11 @@ public:
     }
     [[nodiscard]] const buffer<body_id>& wake_events() const requires(Plan::events::sleep) {
         return data().step.events.woken;
+    }
+    /// Bodies that the last step has moved or turned, in ascending order: those whose poses are to be written back to
+    /// what is drawn. They may have been destroyed since.
+    [[nodiscard]] const buffer<move_event>& move_events() const requires(Plan::events::moves) {
+        return data().step.events.moved;
     }
 
 private:

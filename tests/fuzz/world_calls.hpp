@@ -368,8 +368,8 @@ std::vector<std::uint64_t> play(input in) {
     return s.trace;
 }
 
-using all_events =
-    physics::events<physics::event::contact, physics::event::hit, physics::event::sensor, physics::event::sleep>;
+using all_events = physics::events<physics::event::contact, physics::event::hit, physics::event::sensor,
+                                   physics::event::sleep, physics::event::move>;
 using all_shapes = physics::shapes<physics::ball, physics::capsule, physics::box, physics::halfspace, physics::hull>;
 
 template <class S, int D>

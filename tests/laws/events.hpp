@@ -15,7 +15,7 @@ namespace events_laws {
 struct eventful : physics::recipe<S, cell::dimension,
                                   physics::shapes<physics::ball, physics::box, physics::halfspace, physics::compound>,
                                   physics::events<physics::event::contact, physics::event::hit, physics::event::sensor,
-                                                  physics::event::sleep>> {};
+                                                  physics::event::sleep, physics::event::move>> {};
 struct silent : physics::recipe<S, cell::dimension,
                                 physics::shapes<physics::ball, physics::box, physics::halfspace, physics::compound>> {};
 using world = physics::world<eventful>;
@@ -110,6 +110,7 @@ struct crowd {
     listener told;
     std::vector<body_id> bodies;
     std::uint64_t next_data = 1;
+    int moved = 0;
 
     crowd() { bodies.push_back(add_floor(w)); }
     void add_shape(body_id b, cell::dice& dice) {
@@ -157,11 +158,23 @@ struct crowd {
             w.apply_impulse(b, dice.vec<vec>(-1, 1));
         }
     }
+    /// Moved is what is elsewhere than before.
     void step() {
         const auto before = told.touching;
+        std::map<body_id, world::transform> poses;
+        for (const body_id b : w.bodies()) poses[b] = w.pose(b);
         w.step(S(1.0 / 64));
         told.hear(w);
         check_touching(w, told, before);
+        const auto& moves = w.move_events();
+        CHECK(std::is_sorted(moves.begin(), moves.end(), [](const auto& x, const auto& y) { return x.body < y.body; }));
+        for (const auto& e : moves) {
+            CHECK(w.user_data(e.body) == e.user_data);
+            CHECK(w.is_asleep(e.body) == e.fell_asleep);
+            // A centre may move by less than a pose shows.
+            moved += poses.erase(e.body) == 1 && !w.is_asleep(e.body);
+        }
+        for (const auto& [b, pose] : poses) CHECK(w.pose(b) == pose);
         std::set<body_id> asleep;
         for (const body_id b : w.bodies())
             if (w.is_asleep(b)) asleep.insert(b);
@@ -171,7 +184,7 @@ struct crowd {
     }
 };
 CELL_CASE("events: each begin has one end, and what touches is what they tell, whatever changes") {
-    int begins = 0, gone = 0, slept = 0;
+    int begins = 0, gone = 0, slept = 0, moved = 0;
     for (int seed = 0; seed < 16; ++seed) {
         cell::dice dice(static_cast<std::uint64_t>(7100 + seed));
         crowd t;
@@ -185,10 +198,12 @@ CELL_CASE("events: each begin has one end, and what touches is what they tell, w
         t.step();
         CHECK(t.told.touching.empty());
         CHECK(t.told.begins == t.told.ends);
+        moved += t.moved;
         begins += t.told.begins;
         gone += t.told.gone;
     }
     CHECK(begins > 400);
+    CHECK(moved > 1000);
     CHECK(gone > 100);
     CHECK(slept > 12);
 }

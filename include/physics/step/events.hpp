@@ -21,6 +21,8 @@ struct hit {};
 struct sensor {};
 /// Bodies that fall asleep and wake up.
 struct sleep {};
+/// Bodies that a step moves.
+struct move {};
 }  // namespace event
 
 /// Which events a world tells of: events<event::contact, event::hit>. None by default; others cost nothing.
@@ -39,7 +41,10 @@ public:
     static constexpr bool hits = has<event::hit>;
     static constexpr bool sensors = has<event::sensor>;
     static constexpr bool sleep = has<event::sleep>;
-    static constexpr bool known = (is_one_of<Kinds, event::contact, event::hit, event::sensor, event::sleep> && ...);
+    static constexpr bool moves = has<event::move>;
+    static constexpr bool any = sizeof...(Kinds) > 0;
+    static constexpr bool known =
+        (is_one_of<Kinds, event::contact, event::hit, event::sensor, event::sleep, event::move> && ...);
 };
 
 /// When events are told of.
@@ -85,6 +90,14 @@ struct sensor_event {
     bool gone = false;
 };
 
+/// A body that the last step has moved or turned.
+struct move_event {
+    body_id body;
+    std::uint64_t user_data = 0;
+    /// True if it sleeps now: it stays there until it wakes.
+    bool fell_asleep = false;
+};
+
 namespace detail {
 
 struct no_event_settings {};
@@ -120,6 +133,7 @@ struct step_events {
     buffer<hit_event<S, D>> hits;
     buffer<sensor_event> sensor_begin, sensor_end;
     buffer<body_id> slept, woken;
+    buffer<move_event> moved;
     /// Pairs that have begun to touch and not ceased to, with a body that can be pushed: those of the last step, in
     /// ascending order, unless they have to be listed anew.
     buffer<proxy_pair> touching, now_touching;
@@ -135,6 +149,7 @@ struct step_events {
         sensor_end.clear();
         slept.clear();
         woken.clear();
+        moved.clear();
         is_stale = true;
     }
 };
@@ -143,8 +158,7 @@ struct no_events {
 };
 template <class Plan>
 using step_events_of =
-    std::conditional_t<Plan::events::contacts || Plan::events::hits || Plan::events::sensors || Plan::events::sleep,
-                       step_events<typename Plan::scalar, Plan::dimension>, no_events>;
+    std::conditional_t<Plan::events::any, step_events<typename Plan::scalar, Plan::dimension>, no_events>;
 
 /// Changes since the last step told of such -> what this one tells.
 template <class S, int D>

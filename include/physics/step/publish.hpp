@@ -1,6 +1,7 @@
 // The end of a step: what it has found becomes the world's.
 #pragma once
 
+#include "physics/base/sort.hpp"
 #include "physics/step/sleep.hpp"
 #include "physics/step/warm_impulses.hpp"
 
@@ -45,6 +46,21 @@ void publish(state<Plan>& s, step_data<Plan>& d, const Moved& moved, const warm_
     if constexpr (Plan::remembers) d.pair_cache_changes.finish(s.memories);
     ++s.steps;
     s.step_lengths = {warm.next_usual_step(s.steps), h};
+}
+
+/// Where bodies are, and were as the step began -> which of them it has moved, in ascending order.
+template <class S, int D, bool Rotates>
+void list_moved(const pool<body<S, D, Rotates>>& bodies, const buffer<transform<S, D>>& starts, const awake_list& awake,
+                std::uint16_t tag, buffer<move_event>& to) {
+    to.clear();
+    for (const std::uint32_t i : awake) {
+        const auto& b = bodies[i];
+        const auto& start = starts[i];
+        if (b.center == start.position && b.rotation == start.rotation) continue;
+        to.push_back({{i, bodies.generation(i), tag}, b.user_data, false});
+    }
+    sort_in_place(to.begin(), to.size(),
+                  [](const move_event& a, const move_event& b) { return a.body.index < b.body.index; });
 }
 
 }  // namespace detail

@@ -137,6 +137,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     }
     // Results -> bodies and contacts. From here on nothing fails.
     publish(s, d, moved, warm, h);
+    if constexpr (Plan::events::moves) list_moved(s.bodies, s.contact_starts, s.awake, s.tag, d.events.moved);
     if constexpr (Plan::has_joints) break_joints(d.joints, s.bodies, s.joints, s.sleep);
     if constexpr (Plan::sweeps) s.continuous.report = sweep_report;
     if constexpr (Plan::sleeps) {
@@ -156,6 +157,8 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
             d.note_contacts_moved();
         }
         if constexpr (Plan::events::sleep) publish_sleep_changes(s.sleep.changes, s.tag, d.events);
+        if constexpr (Plan::events::moves)
+            for (move_event& e : d.events.moved) e.fell_asleep = s.is_asleep(e.body.index);
     }
     d.contacts_of.is_stale = true;
     done(step_stage::finish);

@@ -98,6 +98,11 @@ public:
     [[nodiscard]] const buffer<body_id>& wake_events() const requires(Plan::events::sleep) {
         return data().step.events.woken;
     }
+    /// Bodies that the last step has moved or turned, in ascending order: those whose poses are to be written back to
+    /// what is drawn. They may have been destroyed since.
+    [[nodiscard]] const buffer<move_event>& move_events() const requires(Plan::events::moves) {
+        return data().step.events.moved;
+    }
 
 private:
     using range = detail::own_contact_range<Plan>;
