@@ -31848,6 +31848,14 @@ struct sensor_state {
     PHYSICS_HPP_MEMBERS(is_sensor, count, inside, dropped)
 };
 
+/// A body that goes far in a step, and what it fills on its way.
+template <int D>
+struct far_body {
+    std::uint32_t body = 0;
+    aabb<double, D> box;
+    bool has_sensors = false;
+};
+
 /// What the last step told, and what that followed from.
 template <class S, int D>
 struct step_events {
@@ -31860,8 +31868,9 @@ struct step_events {
     /// ascending order, unless they have to be listed anew.
     buffer<proxy_pair> touching, now_touching;
     bool is_stale = true;
-    /// Pairs without sensors; pairs of sensors and what is in them.
-    buffer<proxy_pair> solid_pairs, overlaps, now_inside;
+    /// Pairs without sensors; pairs of sensors and what is in them, or passed through them.
+    buffer<proxy_pair> solid_pairs, overlaps, now_inside, passed;
+    buffer<far_body<D>> far;
 
     void forget() {
         contact_begin.clear();
@@ -34810,258 +34819,6 @@ void drop_seam_contacts([[maybe_unused]] const collide_input<Plan>& in, [[maybe_
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/step/sensors.hpp
-// =================================================================================================
-// Sensors: shapes that stop nothing, and tell what is inside them.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Which pairs of shapes a world with sensors looks at: kinematic bodies are movable in its broadphase, so that sensors
-/// see them, but push nothing that cannot be pushed.
-template <class Plan>
-struct sensor_pair_filter {
-    const pool<typename Plan::body>& bodies;
-    const shape_pool<Plan>& shapes;
-    const sleep_of<Plan>& sleep;
-    const bit_array& is_sensor;
-
-    bool operator()(std::uint32_t a, std::uint32_t b) const {
-        return is_sensor[a] || is_sensor[b] || is_awake_dynamic(bodies, sleep, shapes[a].body) ||
-               is_awake_dynamic(bodies, sleep, shapes[b].body);
-    }
-};
-/// Pairs of shapes whose boxes overlap, of which one can be pushed, or is a sensor.
-template <class Plan>
-const buffer<proxy_pair>& find_pairs(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
-                                     const sleep_of<Plan>& sleep, const sensor_state& sensors,
-                                     typename Plan::broadphase& broadphase, arena& scratch) {
-    return find_pairs(broadphase, sensor_pair_filter<Plan>{bodies, shapes, sleep, sensors.is_sensor}, scratch);
-}
-/// Those of shapes that are no sensors.
-inline const buffer<proxy_pair>& without_sensors(const buffer<proxy_pair>& pairs, const sensor_state& sensors,
-                                                 buffer<proxy_pair>& spare) {
-    if (sensors.count == 0) return pairs;
-    spare.clear();
-    for (const proxy_pair& p : pairs)
-        if (!sensors.is_sensor[p.a] && !sensors.is_sensor[p.b]) spare.push_back(p);
-    return spare;
-}
-
-/// Of a sensor and a visitor.
-template <class Plan>
-sensor_event sensor_event_of(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes, proxy_pair p) {
-    const auto e = event_of<contact_event, Plan>(bodies, shapes, p);
-    return {e.shape_a,      e.shape_b,     e.body_a,      e.body_b, e.shape_data_a,
-            e.shape_data_b, e.body_data_a, e.body_data_b, false};
-}
-/// Forgets what is in sensors, or in which sensors something is, of shapes for which gone(shape) is true.
-template <class Plan, class Gone>
-void drop_visitors(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes, sensor_state& sensors,
-                   Gone&& gone) {
-    std::uint32_t kept = 0;
-    for (const proxy_pair p : sensors.inside) {
-        if (!gone(p.a) && !gone(p.b)) {
-            sensors.inside[kept++] = p;
-            continue;
-        }
-        sensors.dropped.push_back(sensor_event_of<Plan>(bodies, shapes, p));
-        sensors.dropped.back().gone = true;
-    }
-    sensors.inside.resize(kept);
-}
-
-/// What the sensors of a world see.
-template <class Plan>
-struct sensor_input {
-    const pool<typename Plan::body>& bodies;
-    const shape_pool<Plan>& shapes;
-    const awake_list& awake;
-    const joints_of<Plan>& joints;
-    std::uint16_t tag;
-};
-
-/// Poses at the end of a step, pairs of boxes -> what is in which sensor, and what has come and gone.
-template <class Plan>
-class sensor_update {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-
-public:
-    sensor_update(const sensor_input<Plan>& in, manifold_list<S, D>& manifolds) : in_(in), manifolds_(manifolds) {}
-
-    void run(const buffer<proxy_pair>& pairs, sensor_state& sensors, step_events<S, D>& to) {
-        to.sensor_begin.clear();
-        to.sensor_end.clear();
-        list_inside(pairs, sensors, to.overlaps);
-        auto &before = sensors.inside, &now = to.overlaps, &next = to.now_inside;
-        next.clear();
-        for (std::uint32_t i = 0, k = 0; i < before.size() || k < now.size();) {
-            if (i < before.size() && k < now.size() && before[i] == now[k]) {
-                next.push_back(now[k]);
-                ++i, ++k;
-            } else if (k == now.size() || (i < before.size() && before[i] < now[k])) {
-                const proxy_pair p = before[i++];
-                if (rests(p)) next.push_back(p);
-                else to.sensor_end.push_back(sensor_event_of<Plan>(in_.bodies, in_.shapes, p));
-            } else {
-                next.push_back(now[k]);
-                to.sensor_begin.push_back(sensor_event_of<Plan>(in_.bodies, in_.shapes, now[k++]));
-            }
-        }
-        before.swap(next);
-        for (const sensor_event& e : sensors.dropped) to.sensor_end.push_back(e);
-        if (!sensors.dropped.empty())
-            sort_in_place(
-                to.sensor_end.begin(), to.sensor_end.size(), [](const sensor_event& x, const sensor_event& y) {
-                    return proxy_pair{x.sensor.index, x.visitor.index} < proxy_pair{y.sensor.index, y.visitor.index};
-                });
-        sensors.dropped.clear();
-        for (auto* events : {&to.sensor_begin, &to.sensor_end})
-            for (sensor_event& e : *events)
-                e.sensor.world = e.visitor.world = e.sensor_body.world = e.visitor_body.world = in_.tag;
-    }
-
-private:
-    void list_inside(const buffer<proxy_pair>& pairs, const sensor_state& sensors, buffer<proxy_pair>& now) {
-        now.clear();
-        for (const proxy_pair& p : pairs) {
-            const bool a = sensors.is_sensor[p.a];
-            if (!a && !sensors.is_sensor[p.b]) continue;
-            const proxy_pair of = a ? p : proxy_pair{p.b, p.a};
-            const std::uint32_t visitor = in_.shapes[of.b].body;
-            if (in_.bodies[visitor].type == body_type::static_body) continue;
-            if constexpr (Plan::has_joints)
-                if (in_.joints.keep_apart(in_.shapes[of.a].body, visitor)) continue;
-            if (overlap(p)) now.push_back(of);
-        }
-        sort_in_place(now.begin(), now.size(), [](proxy_pair x, proxy_pair y) { return x < y; });
-    }
-    [[nodiscard]] bool overlap(proxy_pair pair) {
-        const proxy_pair p = in_order_of_kinds(in_.shapes, pair);
-        const auto& a = in_.shapes[p.a];
-        const auto& b = in_.shapes[p.b];
-        const typename Plan::query query{&a.shape, &b.shape, relative(a.pose, b.pose)};
-        collide_once<Plan>(query, S(0), manifolds_);
-        for (const auto& [number, part, m] : manifolds_)
-            for (int k = 0; k < m.count; ++k)
-                if (!(m.points[k].separation > S(0))) return true;
-        return false;
-    }
-    /// Pairs of what stands and what sleeps are not among those of the broadphase.
-    [[nodiscard]] bool rests(proxy_pair p) const {
-        const std::uint32_t a = in_.shapes[p.a].body, b = in_.shapes[p.b].body;
-        return !in_.awake.has(a) && !in_.awake.has(b) && in_.bodies[b].type != body_type::static_body;
-    }
-
-    const sensor_input<Plan>& in_;
-    manifold_list<S, D>& manifolds_;
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
-// physics/step/solve.hpp
-// =================================================================================================
-// The solver of a step: islands in batches, solved one by one or side by side.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Where the bodies of all batches are while they are solved.
-template <class S, int D, bool Rotates>
-moved_bodies<S, D, Rotates> place_bodies(const batches& graph, arena& scratch) {
-    return {scratch.template allocate<solver_body<S, D, Rotates>>(graph.slots),
-            scratch.template allocate<moving_body<S, D, Rotates>>(graph.slots), graph.slot_of};
-}
-
-template <class Plan>
-class batch_solver {
-    using S = typename Plan::scalar;
-    static constexpr int D = Plan::dimension;
-    using contact = typename Plan::contact;
-    using combined_material = detail::combined_material<S, typename Plan::features>;
-
-public:
-    batch_solver(const batches& graph, const solve_input<Plan>& in, buffer<contact>& contacts,
-                 const combined_material& material, step_joints_of<Plan>& joints,
-                 const moved_bodies<S, D, Plan::rotates>& moved)
-        : graph_(graph), in_(in), contacts_(contacts), material_(material), joints_(joints), moved_(moved) {}
-
-    /// Large islands one by one on all workers, the others in parallel. False on overflow.
-    bool run(per_worker<arena>& scratch_of, arena& scratch, task_runner& tasks) const {
-        bool* solved = scratch.template allocate<bool>(graph_.count);
-        for (std::uint32_t k = 0; k < graph_.count; ++k) solved[k] = false;
-        const auto is_large = [&](std::uint32_t k) {
-            return !tasks.is_serial() && graph_.first[k].weight() > large_factor * graph_builder::target_weight;
-        };
-        task_runner alone;
-        for (std::uint32_t k = 0; k < graph_.count; ++k) {
-            if (!is_large(k)) continue;
-            for (std::uint32_t worker = 1; worker < tasks.workers(); ++worker) scratch_of[worker].reset();
-            solved[k] = solve(graph_.first[k], scratch_of[0], tasks);
-        }
-        tasks.parallel_tasks(graph_.count, [&](std::uint32_t k, std::uint32_t worker) {
-            if (!is_large(k)) solved[k] = solve(graph_.first[k], scratch_of[worker], alone);
-        });
-        for (std::uint32_t k = 0; k < graph_.count; ++k)
-            if (!solved[k]) return false;
-        return true;
-    }
-
-private:
-    bool solve(const batch& one, arena& scratch, task_runner& tasks) const {
-        scratch.reset();
-        batch_integrator<Plan> motion(in_, graph_, one, moved_, scratch, tasks);
-        const auto all = constraints_of(one);
-        const auto& with = in_.settings.solver;
-        if constexpr (requires { Plan::solver::solve(motion.bodies(), all, with, in_.h, scratch, motion, tasks); })
-            Plan::solver::solve(motion.bodies(), all, with, in_.h, scratch, motion, tasks);
-        else Plan::solver::solve(motion.bodies(), all, with, in_.h, scratch, motion);
-        return motion.finish();
-    }
-    /// A batch's edges are in ascending order, contacts first.
-    auto constraints_of(const batch& one) const {
-        const std::uint32_t* const order = graph_.order + one.edges;
-        const body_pair* const ends = graph_.ends + one.edges;
-        const std::uint32_t count = one.end - one.edges;
-        std::uint32_t contact_count = count;
-        if constexpr (Plan::has_joints)
-            while (contact_count > 0 && order[contact_count - 1] >= contacts_.size()) --contact_count;
-        const contact_constraints<S, D, typename Plan::features> contacts(contacts_.begin(), order, ends, contact_count,
-                                                                          material_);
-        if constexpr (Plan::has_joints) return joints_.add_to(contacts, order, ends, count);
-        else return contacts;
-    }
-
-    /// An island that is so many times as large as a batch is wide enough for several workers.
-    static constexpr std::uint32_t large_factor = 4;
-
-    const batches& graph_;
-    const solve_input<Plan>& in_;
-    buffer<contact>& contacts_;
-    const combined_material& material_;
-    step_joints_of<Plan>& joints_;
-    const moved_bodies<S, D, Plan::rotates>& moved_;
-};
-
-/// Bodies, contacts, joints and their batches -> velocities, poses and impulses. False if a number leaves its range.
-template <class Plan, class Material, class Moved>
-bool solve(const batches& graph, const solve_input<Plan>& in, buffer<typename Plan::contact>& contacts,
-           const Material& material, step_joints_of<Plan>& joints, const Moved& moved, per_worker<arena>& scratch_of,
-           arena& scratch, task_runner& tasks) {
-    return batch_solver<Plan>(graph, in, contacts, material, joints, moved).run(scratch_of, scratch, tasks);
-}
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/step/sweep_paths.hpp
 // =================================================================================================
 // Where bodies go in a step, as the sweeps see it, and what the contacts of the step tell them.
@@ -35227,6 +34984,445 @@ private:
         return wide(bounds(record.shape, pose));
     }
 };
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/sensor_sweep.hpp
+// =================================================================================================
+// What passes through sensors within a step.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What a search for what passes through sensors reads of a world, after its step.
+template <class Plan>
+struct sensor_sweep_input {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+    const pool<typename Plan::body>& bodies;
+    const shape_pool<Plan>& shapes;
+    const typename Plan::broadphase& broadphase;
+    const awake_list& awake;
+    const sleep_of<Plan>& sleep;
+    const joints_of<Plan>& joints;
+    const buffer<body_extent<S>>& extents;
+    const typename Plan::settings& settings;
+    /// Where the centres of awake bodies were as the step began, and how they were turned.
+    const buffer<transform<S, D>>& starts;
+};
+
+/// Poses before and after a step -> sensors and what they met on the way, or it met, though they may be apart again.
+/// Bodies that go no farther than their shapes are thick are not looked at: only corners could be missed. Ways are
+/// straight lines, on which bodies turn evenly. O(awake bodies + what is near those that go far).
+template <class Plan>
+class sensor_sweep {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+public:
+    sensor_sweep(const sensor_sweep_input<Plan>& in, S h) : in_(in), h_(h) {}
+
+    PHYSICS_HPP_NOINLINE void run(const sensor_state& sensors, buffer<far_body<D>>& far, buffer<proxy_pair>& passed) {
+        passed.clear();
+        far.clear();
+        if (sensors.count == 0) return;
+        for (const std::uint32_t i : in_.awake) list_if_far(i, far);
+        for (std::uint32_t k = 0; k < far.size(); ++k) list_near(k, far, passed);
+        sort_in_place(passed.begin(), passed.size(), [](proxy_pair x, proxy_pair y) { return x < y; });
+        std::uint32_t kept = 0;
+        proxy_pair last{};
+        for (std::uint32_t i = 0; i < passed.size(); ++i) {
+            const proxy_pair p = passed[i];
+            if (p == std::exchange(last, p)) continue;
+            // What was inside is there, or leaves.
+            const std::uint32_t at = count_before(sensors.inside, [&](const proxy_pair& q) { return q < p; });
+            if (at < sensors.inside.size() && sensors.inside[at] == p) continue;
+            if (meet(in_.shapes[p.a], in_.shapes[p.b])) passed[kept++] = p;
+        }
+        passed.resize(kept);
+    }
+
+private:
+    using body_sweep = sweep<S, D>;
+
+    void list_if_far(std::uint32_t i, buffer<far_body<D>>& far) const {
+        const auto& b = in_.bodies[i];
+        const point<D> start = to_point(in_.starts[i].position), end = to_point(b.center);
+        bool has_sensors = false;
+        double thickness = to_double(in_.extents[i].thickness), reach = in_.extents[i].outer;
+        each_shape(in_.bodies, in_.shapes, i, [&](std::uint32_t, const shape_record<Plan>& shape) {
+            if (!shape.sensor) return;
+            has_sensors = true;
+            const auto own = measure_shape(shape, b);
+            thickness = min(thickness, to_double(own.thickness));
+            reach = max(reach, own.outer);
+        });
+        if (length(end - start) + angle_of(b, in_.starts[i].rotation) * reach > thickness)
+            far.push_back({i, grown(aabb<double, D>{min(start, end), max(start, end)}, reach), has_sensors});
+    }
+    /// By which angle a body has turned, at most.
+    [[nodiscard]] double angle_of([[maybe_unused]] const typename Plan::body& b,
+                                  [[maybe_unused]] const rotation<S, D>& start) const {
+        if constexpr (!Plan::rotates) {
+            return 0;
+        } else {
+            const double by_speed = magnitude(to_turn(b.velocity.angular)) * to_double(h_);
+            if (b.rotation == start || by_speed > 2) return by_speed;
+            // Of a rotation by a the numbers differ by 2 sin(a / 2) in 2D, of a quaternion by 2 sin(a / 4).
+            const auto squared = [](S x, S y) { return (to_double(x) - to_double(y)) * (to_double(x) - to_double(y)); };
+            if constexpr (D == 2) {
+                return pi<double> / 2 *
+                       sqrt(squared(b.rotation.cosine, start.cosine) + squared(b.rotation.sine, start.sine));
+            } else {
+                const vec<S, D> v = b.rotation.imaginary(), from = start.imaginary();
+                return pi<double> * sqrt(squared(v.x, from.x) + squared(v.y, from.y) + squared(v.z, from.z) +
+                                         squared(b.rotation.w, start.w));
+            }
+        }
+    }
+    /// Pairs of a body that goes far: with what the broadphase knows where its way is, and with others that go far.
+    PHYSICS_HPP_COLD void list_near(std::uint32_t number, const buffer<far_body<D>>& far,
+                                    buffer<proxy_pair>& to) const {
+        const far_body<D>& own = far[number];
+        aabb<S, D> box;
+        // Of fixed point the range in double may be rounded up.
+        const double maximum = to_double(scalar_traits<S>::max()) * (1 - 0x1p-24);
+        for (int i = 0; i < D; ++i) {
+            box.lower[i] = static_cast<S>(max(own.box.lower[i], -maximum));
+            box.upper[i] = static_cast<S>(min(own.box.upper[i], maximum));
+        }
+        const auto add = [&](std::uint32_t other) {
+            each_shape(in_.bodies, in_.shapes, own.body, [&](std::uint32_t i, const shape_record<Plan>& shape) {
+                if (shape.sensor && may_visit(shape, in_.shapes[other])) to.push_back({i, other});
+                if (in_.shapes[other].sensor && may_visit(in_.shapes[other], shape)) to.push_back({other, i});
+            });
+        };
+        each_near(in_, box, query_filter{.any_category = true, .sensors = true}, add);
+        for (std::uint32_t k = number + 1; k < far.size(); ++k)
+            if ((own.has_sensors || far[k].has_sensors) && overlap(far[k].box, own.box))
+                each_shape(in_.bodies, in_.shapes, far[k].body,
+                           [&](std::uint32_t i, const shape_record<Plan>&) { add(i); });
+    }
+    [[nodiscard]] bool may_visit(const shape_record<Plan>& sensor, const shape_record<Plan>& visitor) const {
+        if (visitor.sensor || visitor.body == sensor.body || !may_meet(sensor.filter, visitor.filter)) return false;
+        if (in_.bodies[visitor.body].type == body_type::static_body) return false;
+        if constexpr (Plan::has_joints) return !in_.joints.keep_apart(sensor.body, visitor.body);
+        return true;
+    }
+
+    [[nodiscard]] body_sweep motion_of(std::uint32_t i) const {
+        const auto& b = in_.bodies[i];
+        if (!in_.awake.has(i)) return {b.center, b.center, b.rotation, {}, {}};
+        const transform<S, D>& start = in_.starts[i];
+        body_sweep w{start.position, b.center, start.rotation, {}, {}};
+        if (!(b.rotation == start.rotation)) w = sweep_between<S, D>(start, {b.center, b.rotation});
+        if constexpr (Plan::rotates) w.turn = with_whole_turns(w.turn, b.velocity.angular * h_);
+        return w;
+    }
+    /// Calls f(piece, how it moves as seen from a point) for the convex pieces of a shape.
+    template <class F>
+    void each_moving_piece(const shape_record<Plan>& record, const body_sweep& w, const point<D>& origin, F&& f) const {
+        const mat<double, D> axes = to_matrix(record.local.rotation);
+        const point<D> at = to_point(record.local.position) - to_point(in_.bodies[record.body].mass.center);
+        record.shape.visit([&](const auto& shape) {
+            each_swept_piece(shape, everywhere(record.local.rotation),
+                             [&](const core<D>& c, const mat<double, D>& turned, const point<D>& where) {
+                                 f(c, moving_core<D>(c, w, axes * turned, axes * where + at, origin),
+                                   static_cast<const point<D>*>(nullptr));
+                             });
+            if constexpr (is_halfspace<std::remove_cvref_t<decltype(shape)>>) {
+                const bounding_half<D> half(shape);
+                f(half.surface_point(), moving_core<D>(half.surface_point(), w, axes, at, origin), &half.normal);
+            }
+        });
+    }
+    PHYSICS_HPP_COLD bool meet(const shape_record<Plan>& sensor, const shape_record<Plan>& visitor) const {
+        const body_sweep of_a = motion_of(sensor.body), of_b = motion_of(visitor.body);
+        const point<D> origin = to_point(of_a.start);
+        const point<D> path = (to_point(of_b.end) - to_point(of_b.start)) - (to_point(of_a.end) - to_point(of_a.start));
+        bool found = false;
+        each_moving_piece(
+            sensor, of_a, origin, [&](const core<D>& a, const moving_core<D>& sensor_moves, const point<D>* face) {
+                each_moving_piece(visitor, of_b, origin,
+                                  [&](const core<D>& b, const moving_core<D>& moves, const point<D>* other_face) {
+                                      if (found || other_face != nullptr) return;
+                                      const cast_precision precision = cast_precision::of<S>(a, b);
+                                      const moving_pair<D> pair{
+                                          sensor_moves,      moves, path, face, a.radius + b.radius, precision.error,
+                                          precision.relative};
+                                      const impact_state state = first_impact(pair, 0, 0).state;
+                                      found = state == impact_state::hit || state == impact_state::overlapping;
+                                  });
+            });
+        return found;
+    }
+
+    const sensor_sweep_input<Plan>& in_;
+    S h_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/sensors.hpp
+// =================================================================================================
+// Sensors: shapes that stop nothing, and tell what is inside them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Which pairs of shapes a world with sensors looks at: kinematic bodies are movable in its broadphase, so that sensors
+/// see them, but push nothing that cannot be pushed.
+template <class Plan>
+struct sensor_pair_filter {
+    const pool<typename Plan::body>& bodies;
+    const shape_pool<Plan>& shapes;
+    const sleep_of<Plan>& sleep;
+    const bit_array& is_sensor;
+
+    bool operator()(std::uint32_t a, std::uint32_t b) const {
+        return is_sensor[a] || is_sensor[b] || is_awake_dynamic(bodies, sleep, shapes[a].body) ||
+               is_awake_dynamic(bodies, sleep, shapes[b].body);
+    }
+};
+/// Pairs of shapes whose boxes overlap, of which one can be pushed, or is a sensor.
+template <class Plan>
+const buffer<proxy_pair>& find_pairs(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
+                                     const sleep_of<Plan>& sleep, const sensor_state& sensors,
+                                     typename Plan::broadphase& broadphase, arena& scratch) {
+    return find_pairs(broadphase, sensor_pair_filter<Plan>{bodies, shapes, sleep, sensors.is_sensor}, scratch);
+}
+/// Those of shapes that are no sensors.
+inline const buffer<proxy_pair>& without_sensors(const buffer<proxy_pair>& pairs, const sensor_state& sensors,
+                                                 buffer<proxy_pair>& spare) {
+    if (sensors.count == 0) return pairs;
+    spare.clear();
+    for (const proxy_pair& p : pairs)
+        if (!sensors.is_sensor[p.a] && !sensors.is_sensor[p.b]) spare.push_back(p);
+    return spare;
+}
+
+/// Of a sensor and a visitor.
+template <class Plan>
+sensor_event sensor_event_of(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes, proxy_pair p) {
+    const auto e = event_of<contact_event, Plan>(bodies, shapes, p);
+    return {e.shape_a,      e.shape_b,     e.body_a,      e.body_b, e.shape_data_a,
+            e.shape_data_b, e.body_data_a, e.body_data_b, false};
+}
+/// Forgets what is in sensors, or in which sensors something is, of shapes for which gone(shape) is true.
+template <class Plan, class Gone>
+void drop_visitors(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes, sensor_state& sensors,
+                   Gone&& gone) {
+    std::uint32_t kept = 0;
+    for (const proxy_pair p : sensors.inside) {
+        if (!gone(p.a) && !gone(p.b)) {
+            sensors.inside[kept++] = p;
+            continue;
+        }
+        sensors.dropped.push_back(sensor_event_of<Plan>(bodies, shapes, p));
+        sensors.dropped.back().gone = true;
+    }
+    sensors.inside.resize(kept);
+}
+
+/// What the sensors of a world see.
+template <class Plan>
+struct sensor_input {
+    const pool<typename Plan::body>& bodies;
+    const shape_pool<Plan>& shapes;
+    const awake_list& awake;
+    const joints_of<Plan>& joints;
+    std::uint16_t tag;
+};
+
+/// Poses at the end of a step, pairs of boxes -> what is in which sensor, and what has come and gone.
+template <class Plan>
+class sensor_update {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+
+public:
+    sensor_update(const sensor_input<Plan>& in, manifold_list<S, D>& manifolds) : in_(in), manifolds_(manifolds) {}
+
+    void run(const buffer<proxy_pair>& pairs, sensor_state& sensors, step_events<S, D>& to) {
+        to.sensor_begin.clear();
+        to.sensor_end.clear();
+        list_inside(pairs, sensors, to.passed, to.overlaps);
+        auto &before = sensors.inside, &now = to.overlaps, &next = to.now_inside;
+        next.clear();
+        for (std::uint32_t i = 0, k = 0; i < before.size() || k < now.size();) {
+            if (i < before.size() && k < now.size() && before[i] == now[k]) {
+                next.push_back(now[k]);
+                ++i, ++k;
+            } else if (k == now.size() || (i < before.size() && before[i] < now[k])) {
+                const proxy_pair p = before[i++];
+                if (rests(p)) next.push_back(p);
+                else to.sensor_end.push_back(sensor_event_of<Plan>(in_.bodies, in_.shapes, p));
+            } else {
+                next.push_back(now[k]);
+                to.sensor_begin.push_back(sensor_event_of<Plan>(in_.bodies, in_.shapes, now[k++]));
+            }
+        }
+        before.swap(next);
+        for (const sensor_event& e : sensors.dropped) to.sensor_end.push_back(e);
+        if (!sensors.dropped.empty())
+            sort_in_place(
+                to.sensor_end.begin(), to.sensor_end.size(), [](const sensor_event& x, const sensor_event& y) {
+                    return proxy_pair{x.sensor.index, x.visitor.index} < proxy_pair{y.sensor.index, y.visitor.index};
+                });
+        sensors.dropped.clear();
+        for (auto* events : {&to.sensor_begin, &to.sensor_end})
+            for (sensor_event& e : *events)
+                e.sensor.world = e.visitor.world = e.sensor_body.world = e.visitor_body.world = in_.tag;
+    }
+
+private:
+    void list_inside(const buffer<proxy_pair>& pairs, const sensor_state& sensors, const buffer<proxy_pair>& passed,
+                     buffer<proxy_pair>& now) {
+        now.clear();
+        for (const proxy_pair& p : pairs) {
+            const bool a = sensors.is_sensor[p.a];
+            if (!a && !sensors.is_sensor[p.b]) continue;
+            const proxy_pair of = a ? p : proxy_pair{p.b, p.a};
+            const std::uint32_t visitor = in_.shapes[of.b].body;
+            if (in_.bodies[visitor].type == body_type::static_body) continue;
+            if constexpr (Plan::has_joints)
+                if (in_.joints.keep_apart(in_.shapes[of.a].body, visitor)) continue;
+            if (overlap(p)) now.push_back(of);
+        }
+        for (const proxy_pair p : passed) now.push_back(p);
+        sort_in_place(now.begin(), now.size(), [](proxy_pair x, proxy_pair y) { return x < y; });
+        std::uint32_t kept = 0;
+        for (const proxy_pair p : now)
+            if (kept == 0 || !(now[kept - 1] == p)) now[kept++] = p;
+        now.resize(kept);
+    }
+    [[nodiscard]] bool overlap(proxy_pair pair) {
+        const proxy_pair p = in_order_of_kinds(in_.shapes, pair);
+        const auto& a = in_.shapes[p.a];
+        const auto& b = in_.shapes[p.b];
+        const typename Plan::query query{&a.shape, &b.shape, relative(a.pose, b.pose)};
+        collide_once<Plan>(query, S(0), manifolds_);
+        for (const auto& [number, part, m] : manifolds_)
+            for (int k = 0; k < m.count; ++k)
+                if (!(m.points[k].separation > S(0))) return true;
+        return false;
+    }
+    /// Pairs of what stands and what sleeps are not among those of the broadphase.
+    [[nodiscard]] bool rests(proxy_pair p) const {
+        const std::uint32_t a = in_.shapes[p.a].body, b = in_.shapes[p.b].body;
+        return !in_.awake.has(a) && !in_.awake.has(b) && in_.bodies[b].type != body_type::static_body;
+    }
+
+    const sensor_input<Plan>& in_;
+    manifold_list<S, D>& manifolds_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/solve.hpp
+// =================================================================================================
+// The solver of a step: islands in batches, solved one by one or side by side.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Where the bodies of all batches are while they are solved.
+template <class S, int D, bool Rotates>
+moved_bodies<S, D, Rotates> place_bodies(const batches& graph, arena& scratch) {
+    return {scratch.template allocate<solver_body<S, D, Rotates>>(graph.slots),
+            scratch.template allocate<moving_body<S, D, Rotates>>(graph.slots), graph.slot_of};
+}
+
+template <class Plan>
+class batch_solver {
+    using S = typename Plan::scalar;
+    static constexpr int D = Plan::dimension;
+    using contact = typename Plan::contact;
+    using combined_material = detail::combined_material<S, typename Plan::features>;
+
+public:
+    batch_solver(const batches& graph, const solve_input<Plan>& in, buffer<contact>& contacts,
+                 const combined_material& material, step_joints_of<Plan>& joints,
+                 const moved_bodies<S, D, Plan::rotates>& moved)
+        : graph_(graph), in_(in), contacts_(contacts), material_(material), joints_(joints), moved_(moved) {}
+
+    /// Large islands one by one on all workers, the others in parallel. False on overflow.
+    bool run(per_worker<arena>& scratch_of, arena& scratch, task_runner& tasks) const {
+        bool* solved = scratch.template allocate<bool>(graph_.count);
+        for (std::uint32_t k = 0; k < graph_.count; ++k) solved[k] = false;
+        const auto is_large = [&](std::uint32_t k) {
+            return !tasks.is_serial() && graph_.first[k].weight() > large_factor * graph_builder::target_weight;
+        };
+        task_runner alone;
+        for (std::uint32_t k = 0; k < graph_.count; ++k) {
+            if (!is_large(k)) continue;
+            for (std::uint32_t worker = 1; worker < tasks.workers(); ++worker) scratch_of[worker].reset();
+            solved[k] = solve(graph_.first[k], scratch_of[0], tasks);
+        }
+        tasks.parallel_tasks(graph_.count, [&](std::uint32_t k, std::uint32_t worker) {
+            if (!is_large(k)) solved[k] = solve(graph_.first[k], scratch_of[worker], alone);
+        });
+        for (std::uint32_t k = 0; k < graph_.count; ++k)
+            if (!solved[k]) return false;
+        return true;
+    }
+
+private:
+    bool solve(const batch& one, arena& scratch, task_runner& tasks) const {
+        scratch.reset();
+        batch_integrator<Plan> motion(in_, graph_, one, moved_, scratch, tasks);
+        const auto all = constraints_of(one);
+        const auto& with = in_.settings.solver;
+        if constexpr (requires { Plan::solver::solve(motion.bodies(), all, with, in_.h, scratch, motion, tasks); })
+            Plan::solver::solve(motion.bodies(), all, with, in_.h, scratch, motion, tasks);
+        else Plan::solver::solve(motion.bodies(), all, with, in_.h, scratch, motion);
+        return motion.finish();
+    }
+    /// A batch's edges are in ascending order, contacts first.
+    auto constraints_of(const batch& one) const {
+        const std::uint32_t* const order = graph_.order + one.edges;
+        const body_pair* const ends = graph_.ends + one.edges;
+        const std::uint32_t count = one.end - one.edges;
+        std::uint32_t contact_count = count;
+        if constexpr (Plan::has_joints)
+            while (contact_count > 0 && order[contact_count - 1] >= contacts_.size()) --contact_count;
+        const contact_constraints<S, D, typename Plan::features> contacts(contacts_.begin(), order, ends, contact_count,
+                                                                          material_);
+        if constexpr (Plan::has_joints) return joints_.add_to(contacts, order, ends, count);
+        else return contacts;
+    }
+
+    /// An island that is so many times as large as a batch is wide enough for several workers.
+    static constexpr std::uint32_t large_factor = 4;
+
+    const batches& graph_;
+    const solve_input<Plan>& in_;
+    buffer<contact>& contacts_;
+    const combined_material& material_;
+    step_joints_of<Plan>& joints_;
+    const moved_bodies<S, D, Plan::rotates>& moved_;
+};
+
+/// Bodies, contacts, joints and their batches -> velocities, poses and impulses. False if a number leaves its range.
+template <class Plan, class Material, class Moved>
+bool solve(const batches& graph, const solve_input<Plan>& in, buffer<typename Plan::contact>& contacts,
+           const Material& material, step_joints_of<Plan>& joints, const Moved& moved, per_worker<arena>& scratch_of,
+           arena& scratch, task_runner& tasks) {
+    return batch_solver<Plan>(graph, in, contacts, material, joints, moved).run(scratch_of, scratch, tasks);
+}
 
 }  // namespace detail
 
@@ -35847,7 +36043,12 @@ const buffer<proxy_pair>& find_solid_pairs(state<Plan>& s, step_data<Plan>& d) {
     else return find_pairs(s.broadphase, d.scratch);
 }
 template <class Plan>
-void update_sensors(state<Plan>& s, step_data<Plan>& d) {
+void update_sensors(state<Plan>& s, step_data<Plan>& d, [[maybe_unused]] typename Plan::scalar h) {
+    if constexpr (Plan::sweeps)
+        sensor_sweep<Plan>({s.bodies, s.shapes, s.broadphase, s.awake, s.sleep, s.joints, s.continuous.extents,
+                            s.settings, s.contact_starts},
+                           h)
+            .run(s.sensors, d.events.far, d.events.passed);
     const sensor_input<Plan> in{s.bodies, s.shapes, s.awake, s.joints, s.tag};
     // The next step has less to search for.
     const auto& pairs = find_pairs<Plan>(s.bodies, s.shapes, s.sleep, s.sensors, s.broadphase, d.scratch);
@@ -35954,7 +36155,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
         commit_woken(to_wake(s, d));
     }
     // Poses, boxes -> what has come into sensors and left them, in d.events.
-    if constexpr (Plan::events::sensors) update_sensors(s, d);
+    if constexpr (Plan::events::sensors) update_sensors(s, d, h);
     if constexpr (Plan::sleeps) {
         wake_ahead(to_wake(s, d), h);
         // Contacts, joints, and how bodies move -> islands that fall asleep, with their contacts.
@@ -39188,7 +39389,8 @@ public:
     /// Whether a shape is a sensor: it has no mass, stops nothing and is seen by no query unless that asks for sensors.
     /// Shapes of dynamic and kinematic bodies are in it that are no sensors, which its filter meets, and whose surface
     /// or inside, of concave ones the surface, overlaps it. It tells of poses at the end of the step, whoever sleeps;
-    /// what passes through it in less than a step it does not see. To change a static one wakes what sleeps there.
+    /// in recipes that sweep also of what passes through it within the step, which leaves it in the next one, unless
+    /// one of the two is a surface. To change a static one wakes what sleeps there.
     [[nodiscard]] bool is_sensor(shape_id id) const {
         const detail::lookup at = detail::find_shape(data(), id, "is_sensor");
         return at && data().shapes[at.index].sensor;

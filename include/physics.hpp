@@ -321,6 +321,7 @@
 #include "physics/step/pair_cache.hpp"
 #include "physics/step/publish.hpp"
 #include "physics/step/seams.hpp"
+#include "physics/step/sensor_sweep.hpp"
 #include "physics/step/sensors.hpp"
 #include "physics/step/sleep.hpp"
 #include "physics/step/solve.hpp"

@@ -136,9 +136,13 @@ struct crowd {
             w.set_linear_velocity(b, dice.below(2) ? vec{} : dice.vec<vec>(-1, 1));
         }
     }
+    /// What is thrown by more than it is thick may pass through them.
     void step() {
+        std::map<body_id, vec> before;
+        for (const body_id b : w.bodies()) before[b] = w.position(b);
         w.step(S(1.0 / 64));
         told.hear(w);
+        const auto goes = [&](shape_id s) { return number(length(w.position(w.body(s)) - before[w.body(s)])); };
         std::vector<shape_id> all;
         for (const body_id b : w.bodies())
             for (const shape_id s : w.shapes(b)) all.push_back(s);
@@ -156,7 +160,8 @@ struct crowd {
                     continue;
                 }
                 const double apart = distance(w, sensor, visitor);
-                if (std::abs(apart) > rounding(256, 8)) CHECK(is_inside == (apart < 0));
+                const bool may_pass = is_inside && goes(sensor) + goes(visitor) > 0.1;
+                if (std::abs(apart) > rounding(256, 8) && !may_pass) CHECK(is_inside == (apart < 0));
             }
         }
         CHECK(told.inside.size() == inside);

@@ -6,6 +6,7 @@
 #include "physics/base/handle.hpp"
 #include "physics/base/stage.hpp"
 #include "physics/broadphase/concept.hpp"
+#include "physics/space/aabb.hpp"
 #include "physics/space/check.hpp"
 #include "physics/space/vec.hpp"
 
@@ -126,6 +127,14 @@ struct sensor_state {
     PHYSICS_HPP_MEMBERS(is_sensor, count, inside, dropped)
 };
 
+/// A body that goes far in a step, and what it fills on its way.
+template <int D>
+struct far_body {
+    std::uint32_t body = 0;
+    aabb<double, D> box;
+    bool has_sensors = false;
+};
+
 /// What the last step told, and what that followed from.
 template <class S, int D>
 struct step_events {
@@ -138,8 +147,9 @@ struct step_events {
     /// ascending order, unless they have to be listed anew.
     buffer<proxy_pair> touching, now_touching;
     bool is_stale = true;
-    /// Pairs without sensors; pairs of sensors and what is in them.
-    buffer<proxy_pair> solid_pairs, overlaps, now_inside;
+    /// Pairs without sensors; pairs of sensors and what is in them, or passed through them.
+    buffer<proxy_pair> solid_pairs, overlaps, now_inside, passed;
+    buffer<far_body<D>> far;
 
     void forget() {
         contact_begin.clear();

@@ -85,7 +85,7 @@ public:
     void run(const buffer<proxy_pair>& pairs, sensor_state& sensors, step_events<S, D>& to) {
         to.sensor_begin.clear();
         to.sensor_end.clear();
-        list_inside(pairs, sensors, to.overlaps);
+        list_inside(pairs, sensors, to.passed, to.overlaps);
         auto &before = sensors.inside, &now = to.overlaps, &next = to.now_inside;
         next.clear();
         for (std::uint32_t i = 0, k = 0; i < before.size() || k < now.size();) {
@@ -115,7 +115,8 @@ public:
     }
 
 private:
-    void list_inside(const buffer<proxy_pair>& pairs, const sensor_state& sensors, buffer<proxy_pair>& now) {
+    void list_inside(const buffer<proxy_pair>& pairs, const sensor_state& sensors, const buffer<proxy_pair>& passed,
+                     buffer<proxy_pair>& now) {
         now.clear();
         for (const proxy_pair& p : pairs) {
             const bool a = sensors.is_sensor[p.a];
@@ -127,7 +128,12 @@ private:
                 if (in_.joints.keep_apart(in_.shapes[of.a].body, visitor)) continue;
             if (overlap(p)) now.push_back(of);
         }
+        for (const proxy_pair p : passed) now.push_back(p);
         sort_in_place(now.begin(), now.size(), [](proxy_pair x, proxy_pair y) { return x < y; });
+        std::uint32_t kept = 0;
+        for (const proxy_pair p : now)
+            if (kept == 0 || !(now[kept - 1] == p)) now[kept++] = p;
+        now.resize(kept);
     }
     [[nodiscard]] bool overlap(proxy_pair pair) {
         const proxy_pair p = in_order_of_kinds(in_.shapes, pair);

@@ -7,6 +7,7 @@
 #include "physics/step/find_pairs.hpp"
 #include "physics/step/publish.hpp"
 #include "physics/step/seams.hpp"
+#include "physics/step/sensor_sweep.hpp"
 #include "physics/step/sensors.hpp"
 #include "physics/step/solve.hpp"
 #include "physics/step/sweep.hpp"
@@ -38,7 +39,12 @@ const buffer<proxy_pair>& find_solid_pairs(state<Plan>& s, step_data<Plan>& d) {
     else return find_pairs(s.broadphase, d.scratch);
 }
 template <class Plan>
-void update_sensors(state<Plan>& s, step_data<Plan>& d) {
+void update_sensors(state<Plan>& s, step_data<Plan>& d, [[maybe_unused]] typename Plan::scalar h) {
+    if constexpr (Plan::sweeps)
+        sensor_sweep<Plan>({s.bodies, s.shapes, s.broadphase, s.awake, s.sleep, s.joints, s.continuous.extents,
+                            s.settings, s.contact_starts},
+                           h)
+            .run(s.sensors, d.events.far, d.events.passed);
     const sensor_input<Plan> in{s.bodies, s.shapes, s.awake, s.joints, s.tag};
     // The next step has less to search for.
     const auto& pairs = find_pairs<Plan>(s.bodies, s.shapes, s.sleep, s.sensors, s.broadphase, d.scratch);
@@ -145,7 +151,7 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
         commit_woken(to_wake(s, d));
     }
     // Poses, boxes -> what has come into sensors and left them, in d.events.
-    if constexpr (Plan::events::sensors) update_sensors(s, d);
+    if constexpr (Plan::events::sensors) update_sensors(s, d, h);
     if constexpr (Plan::sleeps) {
         wake_ahead(to_wake(s, d), h);
         // Contacts, joints, and how bodies move -> islands that fall asleep, with their contacts.

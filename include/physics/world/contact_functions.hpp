@@ -58,7 +58,8 @@ public:
     /// Whether a shape is a sensor: it has no mass, stops nothing and is seen by no query unless that asks for sensors.
     /// Shapes of dynamic and kinematic bodies are in it that are no sensors, which its filter meets, and whose surface
     /// or inside, of concave ones the surface, overlaps it. It tells of poses at the end of the step, whoever sleeps;
-    /// what passes through it in less than a step it does not see. To change a static one wakes what sleeps there.
+    /// in recipes that sweep also of what passes through it within the step, which leaves it in the next one, unless
+    /// one of the two is a surface. To change a static one wakes what sleeps there.
     [[nodiscard]] bool is_sensor(shape_id id) const {
         const detail::lookup at = detail::find_shape(data(), id, "is_sensor");
         return at && data().shapes[at.index].sensor;
