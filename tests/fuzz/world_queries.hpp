@@ -20,7 +20,7 @@ struct query_check {
         const auto f = w.filter(s);
         const auto kind = 1u << static_cast<unsigned>(w.type(w.body(s)));
         return (by.any_category || ((f.category & by.mask) && (by.category & f.mask))) && (by.kinds & kind) &&
-               (by.sensors || !w.is_sensor(s)) && !(by.except && by.except == w.body(s));
+               w.enabled(w.body(s)) && (by.sensors || !w.is_sensor(s)) && !(by.except && by.except == w.body(s));
     }
     template <class F>
     void each_seen(F&& f) const {
