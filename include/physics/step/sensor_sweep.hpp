@@ -29,9 +29,9 @@ struct sensor_sweep_input {
     const buffer<transform<S, D>>& starts;
 };
 
-/// Poses before and after a step -> sensors and what they met on the way, or it met, though they may be apart again.
-/// Bodies that go no farther than their shapes are thick are not looked at: only corners could be missed. Ways are
-/// straight lines, on which bodies turn evenly. O(awake bodies + what is near those that go far).
+/// Poses before and after a step -> pairs of a sensor and a shape that overlapped during it, though they may be apart
+/// again. Bodies that go no farther than their shapes are thick are not looked at: only corners could be missed. Paths
+/// are straight lines, on which bodies turn evenly. O(awake bodies + what is near those that go far).
 template <class Plan>
 class sensor_sweep {
     using S = typename Plan::scalar;
@@ -98,7 +98,7 @@ private:
             }
         }
     }
-    /// Pairs of a body that goes far: with what the broadphase knows where its way is, and with others that go far.
+    /// Pairs of a body that goes far: with shapes near its path, and with others that go far.
     PHYSICS_HPP_COLD void list_near(std::uint32_t number, const buffer<far_body<D>>& far,
                                     buffer<proxy_pair>& to) const {
         const far_body<D>& own = far[number];
