@@ -88,7 +88,7 @@ CELL_CASE("swept sensors: what passes through them within a step is in them for 
         const bool is_in = told.inside.count({sensor, visitor}) == 1;
         if (std::abs(near) < 2e-3) continue;
         CAPTURE(near);
-        CHECK(is_in == near < 0);
+        CHECK(is_in == (near < 0));
         int visitors = 0;
         w.each_visitor(sensor, [&](shape_id) { ++visitors; });
         CHECK(visitors == is_in);
