@@ -26028,7 +26028,7 @@ T* made(std::uint32_t count, arena& scratch) {
 }
 
 /// Matrices with a pattern, one in each lane. `tolerance`: what is left of a row's diagonal is more as it is
-/// eliminated, unless other rows say the same. Where that is less than noise, the row gives way as if it were that.
+/// eliminated, unless other rows say the same.
 template <class K>
 struct joint_matrix {
     using C = typename K::scalar;
@@ -26039,7 +26039,8 @@ struct joint_matrix {
         /// As parts of their diagonals, how far rows give way: that have bounds; and, where errors are taken back, that
         /// are far from what they are to hold.
         K slack, far;
-        /// As parts of their diagonals, what of rows in loops is noise: directions are as far off as joints are.
+        /// As a part of its diagonal, what may be noise of a row in a loop, since directions are as far off as joints
+        /// are: speeds are solved for as if no less were left of it, and so approached in several solves.
         K noise;
         /// Of rows that others say already: how much they give way under what they bear.
         K leak;
@@ -26098,7 +26099,7 @@ struct joint_matrix {
     /// L D L^T of the rows that are in; the others have a diagonal of 1.
     void factorise(bool corrects) {
         fill(corrects);
-        for (std::uint32_t i = 0; i < of.joint_count; ++i) eliminate(i);
+        for (std::uint32_t i = 0; i < of.joint_count; ++i) eliminate(i, corrects);
     }
     /// The right-hand sides become what rows are to give.
     void substitute() {
@@ -26150,7 +26151,7 @@ private:
         }
     }
     /// The rows of a joint: its panel, and what that takes from later ones.
-    void eliminate(std::uint32_t i) {
+    void eliminate(std::uint32_t i, bool corrects) {
         const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
         const joint_pattern::joint& j = of.joints[i];
         const std::uint32_t width = j.row_count;
@@ -26160,8 +26161,9 @@ private:
             // What is left of a row that others say already is rounding: it gives way.
             const K own = matrix[j.panel + k * width + k], left = panel[k * width + k];
             const K says_nothing = select_greater(own * K::broadcast(tolerance), left, one, zero);
-            w.leak = max(own * says_nothing * K::broadcast(C(give_way)), own * w.noise - max(left, zero)) * w.in;
-            const K inverse_pivot = lane_reciprocal(max(left, zero) + w.leak);
+            w.leak = own * says_nothing * w.in * K::broadcast(C(give_way));
+            const K floor = corrects ? zero : own * w.noise * w.in;
+            const K inverse_pivot = lane_reciprocal(max(max(left, zero) + w.leak, floor));
             w.inverse_pivot = inverse_pivot;
             for (std::uint32_t l = k + 1; l < j.height; ++l) {
                 K* const at = panel + l * width;
@@ -26336,19 +26338,21 @@ protected:
         assemble<S, D, Rotates, Two>(of_, rows_, sides_, matrix_.matrix);
         is_factorised_ = false;
     }
-    /// In a loop rows may say what others say, but for their errors: of two ends that are off by e, (2 e)^2 is left of
-    /// them. They would give 1 / e of what they should. What a load hangs on may not give way by that: rows bear what
-    /// their lighter body can of the mass of all. A tree has no such rows.
+    /// In a loop rows may say what others say, but for their errors: of two joints with two ends each that are
+    /// off by e, (4 e)^2 is left of a diagonal, and the row would give 1 / e times what it should. But what is left of
+    /// a row is little too where a light body bears a heavy one: noise is at most a quarter of the share of the lighter
+    /// body in the mass of all. A tree has no such rows.
     void note_noise(int lane, const body* bodies) {
         double mass = 0;
         for (std::uint32_t k = 0; k < of_.body_count; ++k)
             if (sides_[k].is_pushed) mass += 1 / to_double(bodies[sides_[k].index[lane]].inverse_mass);
-        each_row([&](std::uint32_t r, const joint_pattern::joint& j) {
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
             const double inverse_mass = max(to_double(bodies[sides_[j.a].index[lane]].inverse_mass),
                                             to_double(bodies[sides_[j.b].index[lane]].inverse_mass));
-            const double noise = min(4 * largest_[lane], 1 / (4 * inverse_mass * mass));
-            matrix_.row[r].noise.set_lane(lane, static_cast<C>(noise));
-        });
+            const double noise = min(16 * largest_[lane], 1 / (4 * inverse_mass * mass));
+            j.each_row([&](std::uint32_t r, int) { matrix_.row[r].noise.set_lane(lane, static_cast<C>(noise)); });
+        }
     }
     PHYSICS_HPP_NOINLINE void write_joint(std::uint32_t i, int lane, const body* bodies, const pose* poses,
                                           const joint_pass<S>& with) {
@@ -34844,6 +34848,17 @@ vec<S, 3> with_whole_turns(const vec<S, 3>& turn, const vec<S, 3>& rate) {
     return about * with_whole_turns(first, dot(rate, about));
 }
 
+/// How a body moves in a step of h seconds, of its centre and its rotation before and after, and its velocity.
+template <bool Rotates, class S, int D, class Twist>
+sweep<S, D> sweep_of_step(const transform<S, D>& start, const transform<S, D>& end,
+                          [[maybe_unused]] const Twist& velocity, [[maybe_unused]] S h) {
+    sweep<S, D> m{start.position, end.position, start.rotation, {}, {}};
+    // What does not turn gets no turn from rounding either.
+    if (!(end.rotation == start.rotation)) m = sweep_between<S, D>(start, end);
+    if constexpr (Rotates) m.turn = with_whole_turns(m.turn, velocity.angular * h);
+    return m;
+}
+
 /// What sweeps read of a world.
 template <class Plan>
 struct sweep_input {
@@ -34919,11 +34934,7 @@ protected:
         const transform<S, D> start{b.center, b.rotation};
         if (!(k < in_.awake.size())) return {start.position, start.position, start.rotation, {}, {}};
         const rotation<S, D>& turn = rotation_after(moved_[k], b);
-        body_sweep m{start.position, moved_[k].center, start.rotation, {}, {}};
-        // What does not turn gets no turn from rounding either.
-        if (!(turn == start.rotation)) m = sweep_between<S, D>(start, {m.end, turn});
-        if constexpr (Plan::rotates) m.turn = with_whole_turns(m.turn, moved_.velocity(k).angular * h_);
-        return m;
+        return sweep_of_step<Plan::rotates>(start, {moved_[k].center, turn}, moved_.velocity(k), h_);
     }
     /// All places of a body on its way.
     aabb<double, D> box_of(const body_sweep& m, double reach) const {
@@ -35118,11 +35129,7 @@ private:
     [[nodiscard]] body_sweep motion_of(std::uint32_t i) const {
         const auto& b = in_.bodies[i];
         if (!in_.awake.has(i)) return {b.center, b.center, b.rotation, {}, {}};
-        const transform<S, D>& start = in_.starts[i];
-        body_sweep w{start.position, b.center, start.rotation, {}, {}};
-        if (!(b.rotation == start.rotation)) w = sweep_between<S, D>(start, {b.center, b.rotation});
-        if constexpr (Plan::rotates) w.turn = with_whole_turns(w.turn, b.velocity.angular * h_);
-        return w;
+        return sweep_of_step<Plan::rotates>(in_.starts[i], {b.center, b.rotation}, b.velocity, h_);
     }
     /// Calls f(piece, how it moves as seen from a point) for the convex pieces of a shape.
     template <class F>
@@ -39287,7 +39294,8 @@ public:
     /// Takes a body out of the simulation, or puts it back, as it is: it stands where it is, meets nothing, no query
     /// finds it and its joints hold nothing. All of it may be changed meanwhile, but forces, impulses and targets,
     /// which are refused. Its contacts end, and what touched it wakes; so does what it meets when it comes back. In
-    /// contrast to destroy_body its handle, shapes, joints and velocities stay. O(shapes + contacts).
+    /// contrast to destroy_body its handle, shapes, joints and velocities stay. Nothing of it counts as energy.
+    /// O(shapes + contacts).
     void set_enabled(body_id id, bool enabled) {
         if (const auto b = detail::find_body(data(), id, "set_enabled")) code::set_enabled(data(), b.index, enabled);
     }
@@ -39400,8 +39408,8 @@ public:
         const detail::lookup at = detail::find_shape(data(), id, "is_one_way");
         return at && data().shapes[at.index].one_way;
     }
-    /// Calls visit(shape_id) for what was in a sensor as the last step ended, and is not destroyed since, in ascending
-    /// order; visit may change the world. O(log of all such pairs + their number).
+    /// Calls visit(shape_id) for what was in a sensor as the last step ended, or has passed through it then, and is not
+    /// destroyed since, in ascending order; visit may change the world. O(log of all such pairs + their number).
     template <class Visit>
     void each_visitor(shape_id sensor, Visit&& visit) const requires(Plan::events::sensors) {
         const detail::lookup at = detail::find_shape(data(), sensor, "each_visitor");
@@ -40937,11 +40945,11 @@ template <class World, class S>
 auto velocity_after(const World& w, body_id b, S dt) {
     return w.linear_velocity(b) + w.settings().gravity * (w.gravity_scale(b) * dt);
 }
-/// Calls f(body) for the dynamic bodies that are awake.
+/// Calls f(body) for the dynamic bodies that are awake and enabled.
 template <class World, class F>
 void each_awake(World& w, F&& f) {
     for (const body_id b : w.bodies())
-        if (w.type(b) == body_type::dynamic_body && !w.is_asleep(b)) f(b);
+        if (w.type(b) == body_type::dynamic_body && w.enabled(b) && !w.is_asleep(b)) f(b);
 }
 
 }  // namespace detail
@@ -41496,7 +41504,7 @@ private:
     /// What it stands on takes it along.
     void ride(World& w) {
         if (!ground_) return;
-        if (!w.contains(ground_.body)) {
+        if (!w.contains(ground_.body) || !w.enabled(ground_.body)) {
             ground_ = {};
             return;
         }

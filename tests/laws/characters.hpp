@@ -246,6 +246,25 @@ CELL_CASE("characters: lifts and turntables carry it exactly, and throw it when 
 #endif
     });
 }
+CELL_CASE("characters: a lift that is disabled neither carries it nor lets it jump") {
+    at_rates([](int rate) {
+        level l(rate);
+        const body_id lift = l.w.create_body({.type = body_type::kinematic_body, .linear_velocity = along(1, 2)});
+        l.w.create_shape(lift, world::box{level::half(2, 0.5)});
+        hero h = level::make(0, 0.5);
+        h.move(l.w, {}, l.dt());
+        l.run(h, 0.5, {});
+        REQUIRE(h.ground().body == lift);
+        l.w.set_enabled(lift, false);
+        h.jump(S(5));
+        const double before = y_of(h);
+        l.run(h, 0.5, {});
+        CHECK(!h.ground());
+        CHECK(y_of(h) - before == doctest::Approx(-1.25).epsilon(0.05));
+        l.w.set_enabled(lift, true);
+        CHECK(number(l.w.linear_velocity(lift).y) == 2);
+    });
+}
 CELL_CASE("characters: crates are pushed as hard as it can, and heavy ones not at all") {
     const auto push = [](double mass, double strength) {
         level l;

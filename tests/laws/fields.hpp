@@ -276,6 +276,22 @@ CELL_CASE("explosions: what faces them is thrown by its area, less and less over
     CHECK(w.linear_velocity(about) == vec{});
 }
 
+CELL_CASE("fields: what is disabled feels none of them") {
+    world w = empty(-10);
+    const body_id out = add(w, along(1, 1), world::ball{S(0.5)}), in = add(w, along(0, 2), world::ball{S(0.5)});
+    w.set_enabled(out, false);
+    const auto pose = w.pose(out);
+    for (int i = 0; i < 8; ++i) {
+        physics::apply_gravity_well(w, well{.center = along(0, 8), .acceleration = S(5)});
+        physics::apply_wind(w, wind{.velocity = along(0, 5)}, S(1.0 / 64));
+        physics::apply_buoyancy(w, water{.height = S(4)}, S(1.0 / 64));
+        physics::explode(w, explosion{.center = vec{}, .radius = S(4), .impulse = S(1)});
+        w.step(S(1.0 / 64));
+    }
+    CHECK(w.pose(out) == pose);
+    CHECK(w.linear_velocity(out) == vec{});
+    CHECK(w.linear_velocity(in) != vec{});
+}
 CELL_CASE("fields: bad numbers are refused by name, and nothing is changed") {
     world w = empty(-10);
     add(w, {}, world::ball{S(0.5)});

@@ -20,7 +20,7 @@ T* made(std::uint32_t count, arena& scratch) {
 }
 
 /// Matrices with a pattern, one in each lane. `tolerance`: what is left of a row's diagonal is more as it is
-/// eliminated, unless other rows say the same. Where that is less than noise, the row gives way as if it were that.
+/// eliminated, unless other rows say the same.
 template <class K>
 struct joint_matrix {
     using C = typename K::scalar;
@@ -31,7 +31,8 @@ struct joint_matrix {
         /// As parts of their diagonals, how far rows give way: that have bounds; and, where errors are taken back, that
         /// are far from what they are to hold.
         K slack, far;
-        /// As parts of their diagonals, what of rows in loops is noise: directions are as far off as joints are.
+        /// As a part of its diagonal, what may be noise of a row in a loop, since directions are as far off as joints
+        /// are: speeds are solved for as if no less were left of it, and so approached in several solves.
         K noise;
         /// Of rows that others say already: how much they give way under what they bear.
         K leak;
@@ -90,7 +91,7 @@ struct joint_matrix {
     /// L D L^T of the rows that are in; the others have a diagonal of 1.
     void factorise(bool corrects) {
         fill(corrects);
-        for (std::uint32_t i = 0; i < of.joint_count; ++i) eliminate(i);
+        for (std::uint32_t i = 0; i < of.joint_count; ++i) eliminate(i, corrects);
     }
     /// The right-hand sides become what rows are to give.
     void substitute() {
@@ -142,7 +143,7 @@ private:
         }
     }
     /// The rows of a joint: its panel, and what that takes from later ones.
-    void eliminate(std::uint32_t i) {
+    void eliminate(std::uint32_t i, bool corrects) {
         const K zero = K::broadcast(C(0)), one = K::broadcast(C(1));
         const joint_pattern::joint& j = of.joints[i];
         const std::uint32_t width = j.row_count;
@@ -152,8 +153,9 @@ private:
             // What is left of a row that others say already is rounding: it gives way.
             const K own = matrix[j.panel + k * width + k], left = panel[k * width + k];
             const K says_nothing = select_greater(own * K::broadcast(tolerance), left, one, zero);
-            w.leak = max(own * says_nothing * K::broadcast(C(give_way)), own * w.noise - max(left, zero)) * w.in;
-            const K inverse_pivot = lane_reciprocal(max(left, zero) + w.leak);
+            w.leak = own * says_nothing * w.in * K::broadcast(C(give_way));
+            const K floor = corrects ? zero : own * w.noise * w.in;
+            const K inverse_pivot = lane_reciprocal(max(max(left, zero) + w.leak, floor));
             w.inverse_pivot = inverse_pivot;
             for (std::uint32_t l = k + 1; l < j.height; ++l) {
                 K* const at = panel + l * width;

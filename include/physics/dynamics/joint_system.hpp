@@ -136,19 +136,21 @@ protected:
         assemble<S, D, Rotates, Two>(of_, rows_, sides_, matrix_.matrix);
         is_factorised_ = false;
     }
-    /// In a loop rows may say what others say, but for their errors: of two ends that are off by e, (2 e)^2 is left of
-    /// them. They would give 1 / e of what they should. What a load hangs on may not give way by that: rows bear what
-    /// their lighter body can of the mass of all. A tree has no such rows.
+    /// In a loop rows may say what others say, but for their errors: of two joints with two ends each that are
+    /// off by e, (4 e)^2 is left of a diagonal, and the row would give 1 / e times what it should. But what is left of
+    /// a row is little too where a light body bears a heavy one: noise is at most a quarter of the share of the lighter
+    /// body in the mass of all. A tree has no such rows.
     void note_noise(int lane, const body* bodies) {
         double mass = 0;
         for (std::uint32_t k = 0; k < of_.body_count; ++k)
             if (sides_[k].is_pushed) mass += 1 / to_double(bodies[sides_[k].index[lane]].inverse_mass);
-        each_row([&](std::uint32_t r, const joint_pattern::joint& j) {
+        for (std::uint32_t i = 0; i < of_.joint_count; ++i) {
+            const joint_pattern::joint& j = of_.joints[i];
             const double inverse_mass = max(to_double(bodies[sides_[j.a].index[lane]].inverse_mass),
                                             to_double(bodies[sides_[j.b].index[lane]].inverse_mass));
-            const double noise = min(4 * largest_[lane], 1 / (4 * inverse_mass * mass));
-            matrix_.row[r].noise.set_lane(lane, static_cast<C>(noise));
-        });
+            const double noise = min(16 * largest_[lane], 1 / (4 * inverse_mass * mass));
+            j.each_row([&](std::uint32_t r, int) { matrix_.row[r].noise.set_lane(lane, static_cast<C>(noise)); });
+        }
     }
     PHYSICS_HPP_NOINLINE void write_joint(std::uint32_t i, int lane, const body* bodies, const pose* poses,
                                           const joint_pass<S>& with) {

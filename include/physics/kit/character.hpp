@@ -200,7 +200,7 @@ private:
     /// What it stands on takes it along.
     void ride(World& w) {
         if (!ground_) return;
-        if (!w.contains(ground_.body)) {
+        if (!w.contains(ground_.body) || !w.enabled(ground_.body)) {
             ground_ = {};
             return;
         }

@@ -68,11 +68,11 @@ template <class World, class S>
 auto velocity_after(const World& w, body_id b, S dt) {
     return w.linear_velocity(b) + w.settings().gravity * (w.gravity_scale(b) * dt);
 }
-/// Calls f(body) for the dynamic bodies that are awake.
+/// Calls f(body) for the dynamic bodies that are awake and enabled.
 template <class World, class F>
 void each_awake(World& w, F&& f) {
     for (const body_id b : w.bodies())
-        if (w.type(b) == body_type::dynamic_body && !w.is_asleep(b)) f(b);
+        if (w.type(b) == body_type::dynamic_body && w.enabled(b) && !w.is_asleep(b)) f(b);
 }
 
 }  // namespace detail

@@ -131,11 +131,7 @@ private:
     [[nodiscard]] body_sweep motion_of(std::uint32_t i) const {
         const auto& b = in_.bodies[i];
         if (!in_.awake.has(i)) return {b.center, b.center, b.rotation, {}, {}};
-        const transform<S, D>& start = in_.starts[i];
-        body_sweep w{start.position, b.center, start.rotation, {}, {}};
-        if (!(b.rotation == start.rotation)) w = sweep_between<S, D>(start, {b.center, b.rotation});
-        if constexpr (Plan::rotates) w.turn = with_whole_turns(w.turn, b.velocity.angular * h_);
-        return w;
+        return sweep_of_step<Plan::rotates>(in_.starts[i], {b.center, b.rotation}, b.velocity, h_);
     }
     /// Calls f(piece, how it moves as seen from a point) for the convex pieces of a shape.
     template <class F>

@@ -25,6 +25,17 @@ vec<S, 3> with_whole_turns(const vec<S, 3>& turn, const vec<S, 3>& rate) {
     return about * with_whole_turns(first, dot(rate, about));
 }
 
+/// How a body moves in a step of h seconds, of its centre and its rotation before and after, and its velocity.
+template <bool Rotates, class S, int D, class Twist>
+sweep<S, D> sweep_of_step(const transform<S, D>& start, const transform<S, D>& end,
+                          [[maybe_unused]] const Twist& velocity, [[maybe_unused]] S h) {
+    sweep<S, D> m{start.position, end.position, start.rotation, {}, {}};
+    // What does not turn gets no turn from rounding either.
+    if (!(end.rotation == start.rotation)) m = sweep_between<S, D>(start, end);
+    if constexpr (Rotates) m.turn = with_whole_turns(m.turn, velocity.angular * h);
+    return m;
+}
+
 /// What sweeps read of a world.
 template <class Plan>
 struct sweep_input {
@@ -100,11 +111,7 @@ protected:
         const transform<S, D> start{b.center, b.rotation};
         if (!(k < in_.awake.size())) return {start.position, start.position, start.rotation, {}, {}};
         const rotation<S, D>& turn = rotation_after(moved_[k], b);
-        body_sweep m{start.position, moved_[k].center, start.rotation, {}, {}};
-        // What does not turn gets no turn from rounding either.
-        if (!(turn == start.rotation)) m = sweep_between<S, D>(start, {m.end, turn});
-        if constexpr (Plan::rotates) m.turn = with_whole_turns(m.turn, moved_.velocity(k).angular * h_);
-        return m;
+        return sweep_of_step<Plan::rotates>(start, {moved_[k].center, turn}, moved_.velocity(k), h_);
     }
     /// All places of a body on its way.
     aabb<double, D> box_of(const body_sweep& m, double reach) const {

@@ -69,8 +69,8 @@ public:
         const detail::lookup at = detail::find_shape(data(), id, "is_one_way");
         return at && data().shapes[at.index].one_way;
     }
-    /// Calls visit(shape_id) for what was in a sensor as the last step ended, and is not destroyed since, in ascending
-    /// order; visit may change the world. O(log of all such pairs + their number).
+    /// Calls visit(shape_id) for what was in a sensor as the last step ended, or has passed through it then, and is not
+    /// destroyed since, in ascending order; visit may change the world. O(log of all such pairs + their number).
     template <class Visit>
     void each_visitor(shape_id sensor, Visit&& visit) const requires(Plan::events::sensors) {
         const detail::lookup at = detail::find_shape(data(), sensor, "each_visitor");
