@@ -721,6 +721,11 @@ public:
     void grow(std::uint32_t size) {
         if ((size + 63) / 64 > words_.size()) words_.resize((size + 63) / 64, 0);
     }
+    /// Makes all bits clear, and takes their room.
+    void clear() { words_.clear(); }
+    [[nodiscard]] bool empty() const { return words_.empty(); }
+    /// Whether there is room for a bit, and it is set.
+    [[nodiscard]] bool has(std::uint32_t i) const { return i / 64 < words_.size() && (*this)[i]; }
     bool operator[](std::uint32_t i) const { return (words_[i / 64] >> i % 64 & 1) != 0; }
     void set(std::uint32_t i) { words_[i / 64] |= std::uint64_t{1} << i % 64; }
     void clear(std::uint32_t i) { words_[i / 64] &= ~(std::uint64_t{1} << i % 64); }
@@ -31356,6 +31361,339 @@ void list_awake(const pool<Body>& bodies, const Sleep& sleep, awake_list& to) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/step/pair_cache.hpp
+// =================================================================================================
+// What a narrowphase remembers of pairs from step to step, packed: of most pairs it is little.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Memories of pairs, in ascending order of the pairs. Those of which there is nothing to keep are left out.
+template <class Plan>
+class pair_cache {
+    using memory = typename Plan::pair_memory;
+    using kept = kept_memory<memory>;
+    using unit = std::uint32_t;
+
+public:
+    [[nodiscard]] std::uint32_t size() const { return pairs_.size(); }
+    [[nodiscard]] proxy_pair pair(std::uint32_t i) const { return pairs_[i]; }
+    /// The first one that is not of an earlier pair.
+    [[nodiscard]] std::uint32_t find(proxy_pair pair) const {
+        return count_before(pairs_, [&](proxy_pair p) { return p < pair; });
+    }
+    /// Writes an empty one.
+    static void clear(memory& m) { kept::clear(m); }
+    void read(std::uint32_t i, memory& m) const {
+        clear(m);
+        const std::uint32_t contents = contents_at(places_[i]);
+        if (!is_brief(places_[i])) {
+            const unit* from = units_.begin() + places_[i] + 1;
+            kept::each_piece(m, contents, [&](void* to, std::size_t bytes) {
+                std::memcpy(to, from, bytes);
+                from += units_for(bytes);
+            });
+        }
+        kept::complete(m, contents);
+    }
+    [[nodiscard]] memory operator[](std::uint32_t i) const {
+        memory m{};
+        read(i, m);
+        return m;
+    }
+    /// Whether what was read from here has not changed: it says so, or all that there is to keep is a number.
+    [[nodiscard]] bool is_unchanged(std::uint32_t i, const memory& m) const {
+        return !kept::has_changed(m) || (is_brief(places_[i]) && contents_at(places_[i]) == kept::contents(m));
+    }
+
+    void clear() {
+        pairs_.clear();
+        places_.clear();
+        units_.clear();
+        free_ = {};
+    }
+    /// Adds a memory after the others, unless there is nothing to keep of it.
+    void add(proxy_pair pair, memory& m) {
+        const std::uint32_t contents = kept::contents(m);
+        if (contents == 0) return;
+        const std::uint32_t place = make_room(contents);
+        pairs_.push_back(pair);
+        places_.push_back(place);
+        if (is_brief(place)) return;
+        kept::tidy(m);
+        unit* to = units_.begin() + place;
+        *to++ = contents;
+        kept::each_piece(m, contents, [&](const void* from, std::size_t bytes) {
+            const std::size_t count = units_for(bytes);
+            // What is behind the last byte.
+            to[count - 1] = 0;
+            std::memcpy(to, from, bytes);
+            to += count;
+        });
+    }
+    /// Forgets the pairs that have a shape for which gone(shape) is true.
+    template <class Gone>
+    void drop(Gone&& gone) {
+        std::uint32_t left = 0;
+        for (std::uint32_t i = 0; i < size(); ++i) {
+            if (gone(pairs_[i].a) || gone(pairs_[i].b)) free_place(places_[i]);
+            else move(i, left++);
+        }
+        truncate(left);
+        clear_if_empty();
+    }
+
+    /// Lists of what is new, which follow on each other: the parts of some longer ones from `first` to `end`.
+    struct segment {
+        pair_cache* of;
+        std::uint32_t first, end;
+    };
+    /// Forgets those that are not kept and takes in what is new. No pair is in both, and in its own place.
+    void change(const bool* is_kept, const segment* segments, std::uint32_t count) {
+        std::uint32_t i = 0, left = 0, added = 0;
+        const auto pass = [&] {
+            if (is_kept[i]) move(i, left++);
+            else free_place(places_[i]);
+            ++i;
+        };
+        for (std::uint32_t k = 0; k < count; ++k)
+            for (std::uint32_t n = segments[k].first; n < segments[k].end; ++n) {
+                pair_cache& of = *segments[k].of;
+                const proxy_pair pair = of.pairs_[n];
+                while (i < size() && pairs_[i] < pair) pass();
+                const bool known = i < size() && pairs_[i] == pair;
+                const std::uint32_t contents = of.contents_at(of.places_[n]);
+                const bool fits = known && units_of(contents) == units_of(contents_at(places_[i]));
+                if (known && !fits) free_place(places_[i]);
+                const std::uint32_t place = fits && !is_brief(places_[i]) ? places_[i] : make_room(contents);
+                if (!is_brief(place))
+                    std::memcpy(units_.begin() + place, of.units_.begin() + of.places_[n],
+                                units_of(contents) * sizeof(unit));
+                if (known) {
+                    places_[i] = place;
+                    move(i++, left++);
+                    // No shape meets itself: this one is in its place.
+                    of.pairs_[n].b = pair.a;
+                } else {
+                    of.places_[n] = place;
+                    ++added;
+                }
+            }
+        while (i < size()) pass();
+        truncate(left);
+        if (added > 0) insert(segments, count, added);
+        clear_if_empty();
+    }
+    /// Exchanges the memory of each of the buffers with that of another which is empty too, if it has more.
+    void swap_larger(pair_cache& other) {
+        const auto swap_larger_one = [](auto& mine, auto& theirs) {
+            if (mine.capacity() < theirs.capacity()) mine.swap(theirs);
+        };
+        swap_larger_one(pairs_, other.pairs_);
+        swap_larger_one(places_, other.places_);
+        swap_larger_one(units_, other.units_);
+    }
+    void swap(pair_cache& other) noexcept {
+        pairs_.swap(other.pairs_);
+        places_.swap(other.places_);
+        units_.swap(other.units_);
+        std::swap(free_, other.free_);
+    }
+
+    PHYSICS_HPP_MEMBERS(pairs_, places_, units_, free_)
+
+private:
+    static constexpr std::size_t units_for(std::size_t bytes) { return (bytes + sizeof(unit) - 1) / sizeof(unit); }
+    /// So much does a memory of these contents need.
+    static std::uint32_t units_of(std::uint32_t contents) {
+        std::size_t count = 1;
+        const memory m{};
+        kept::each_piece(m, contents, [&](const void*, std::size_t bytes) { count += units_for(bytes); });
+        return static_cast<std::uint32_t>(count);
+    }
+    /// No piece is smaller than a unit, and none is twice as large as what it holds.
+    static constexpr std::size_t max_units = 1 + 2 * units_for(sizeof(memory));
+    /// Free lists by size: the first free place of each size plus 1; a free place holds the next one.
+    struct free_places {
+        std::uint32_t first[max_units + 1];
+    };
+    /// Marks the place of contents which are all that there is to keep.
+    static constexpr std::uint32_t brief = 0x80000000u;
+    static bool is_brief(std::uint32_t place) { return (place & brief) != 0; }
+    [[nodiscard]] std::uint32_t contents_at(std::uint32_t place) const {
+        return is_brief(place) ? place & ~brief : units_[place];
+    }
+
+    std::uint32_t make_room(std::uint32_t contents) {
+        const std::uint32_t count = units_of(contents);
+        if (count == 1 && !is_brief(contents)) return brief | contents;
+        std::uint32_t& head = free_.first[count];
+        if (head != 0) {
+            const std::uint32_t place = head - 1;
+            head = units_[place];
+            return place;
+        }
+        const std::uint32_t place = units_.size();
+        if (is_brief(place + count)) {
+            refuse("step", "pairs", static_cast<double>(size()), "there are more than can be remembered");
+            std::abort();
+        }
+        units_.extend(count);
+        return place;
+    }
+    void free_place(std::uint32_t place) {
+        if (is_brief(place)) return;
+        std::uint32_t& head = free_.first[units_of(units_[place])];
+        units_[place] = head;
+        head = place + 1;
+    }
+    void move(std::uint32_t from, std::uint32_t to) {
+        if (from == to) return;
+        pairs_[to] = pairs_[from];
+        places_[to] = places_[from];
+    }
+    void truncate(std::uint32_t count) {
+        pairs_.resize(count);
+        places_.resize(count);
+    }
+    void clear_if_empty() {
+        if (size() == 0) clear();
+    }
+    /// Puts new ones into the order, from behind.
+    void insert(const segment* segments, std::uint32_t count, std::uint32_t added) {
+        std::uint32_t left = size(), to = left + added;
+        pairs_.extend(added);
+        places_.extend(added);
+        for (std::uint32_t k = count; k-- > 0;)
+            for (std::uint32_t n = segments[k].end; n-- > segments[k].first;) {
+                const pair_cache& of = *segments[k].of;
+                const proxy_pair pair = of.pairs_[n];
+                if (pair.a == pair.b) continue;
+                while (left > 0 && pair < pairs_[left - 1]) move(--left, --to);
+                pairs_[--to] = pair;
+                places_[to] = of.places_[n];
+            }
+    }
+
+    buffer<proxy_pair> pairs_;
+    /// Where the contents of each begin, or these themselves.
+    buffer<std::uint32_t> places_;
+    /// Empty where there are no pairs.
+    buffer<unit> units_;
+    free_places free_ = {};
+};
+
+/// What a step makes of the memories, until it has succeeded.
+template <class Plan>
+struct pair_cache_changes {
+    using memories = pair_cache<Plan>;
+
+    /// What each worker has to add.
+    per_worker<memories> by;
+    /// For the step: which memories stay as they are, and the lists of those that are new, in the order of their pairs.
+    bool* is_kept = nullptr;
+    typename memories::segment* segments = nullptr;
+    std::uint32_t count = 0;
+    /// Whether all of them are one list.
+    bool is_one = false;
+
+    void start(memories& before, std::uint32_t maximum, const task_runner& tasks, arena& scratch) {
+        for (std::uint32_t k = 0; k < tasks.workers(); ++k) by[k].clear();
+        is_one = tasks.is_serial();
+        // It goes over as a whole, and comes back where the same begins anew.
+        if (is_one && before.size() == 0) by[0].swap_larger(before);
+        is_kept = scratch.allocate<bool>(before.size());
+        for (std::uint32_t i = 0; i < before.size(); ++i) is_kept[i] = false;
+        segments = scratch.allocate<typename memories::segment>(maximum);
+        count = maximum;
+    }
+    template <class Recalled>
+    void add(const Recalled& pairs, const memories& before, std::uint32_t segment, std::uint32_t worker) {
+        memories& to = by[worker];
+        const std::uint32_t first = to.size();
+        pairs.save_to_cache(before, is_kept, to);
+        segments[segment] = {&to, first, to.size()};
+    }
+    void finish(memories& of) {
+        if (is_one && of.size() == 0) of.swap(by[0]);
+        else of.change(is_kept, segments, count);
+    }
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/contact_lists.hpp
+// =================================================================================================
+// Lists of contacts in ascending order of their pairs, and what is taken out of them.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Keeps, in order, the contacts for which stays(contact) is true, and hands the others to out.
+template <class Contacts, class Stays, class Out>
+void partition_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
+    std::uint32_t kept = 0;
+    for (std::uint32_t i = 0; i < contacts.size(); ++i) {
+        if (!stays(contacts[i])) {
+            out(contacts[i]);
+            continue;
+        }
+        if (kept != i) contacts[kept] = contacts[i];
+        ++kept;
+    }
+    while (contacts.size() > kept) contacts.pop_back();
+}
+/// Adds contacts to others; both lists, and the result, are in ascending order of their pairs.
+template <class Contact>
+void merge_contacts(buffer<Contact>& to, const buffer<Contact>& more) {
+    std::uint32_t i = to.size(), j = more.size();
+    if (j == 0) return;
+    to.resize(i + j, more[0]);
+    for (std::uint32_t at = to.size(); j > 0;) {
+        const bool is_last = i > 0 && more[j - 1].key() < to[i - 1].key();
+        to[--at] = is_last ? to[--i] : more[--j];
+    }
+}
+
+/// Shapes that are destroyed or disabled since the last step. What names them in lists of contacts and of memories is
+/// no more, and goes with the next step, in one pass for all: until then no other shape of these numbers has any.
+class removed_shapes {
+public:
+    void make_room(std::uint32_t shapes) { is_removed_.grow(shapes); }
+    void add(std::uint32_t shape) { is_removed_.set(shape); }
+    [[nodiscard]] bool any() const { return !is_removed_.empty(); }
+    [[nodiscard]] bool has(std::uint32_t shape) const { return is_removed_.has(shape); }
+    template <class Contact>
+    [[nodiscard]] bool in(const Contact& c) const {
+        return any() && (has(c.shape_a) || has(c.shape_b));
+    }
+    /// Takes what names them out of the lists; false if there are none.
+    template <class Contact, class Plan>
+    bool take_out(buffer<Contact>& contacts, pair_cache<Plan>& memories) {
+        if (!any()) return false;
+        partition_contacts(
+            contacts, [&](const auto& c) { return !in(c); }, [](const auto&) {});
+        memories.drop([&](std::uint32_t shape) { return has(shape); });
+        is_removed_.clear();
+        return true;
+    }
+
+    PHYSICS_HPP_MEMBERS(is_removed_)
+
+private:
+    bit_array is_removed_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/step/joints.hpp
 // =================================================================================================
 // The joints of a world, and those of a step.
@@ -31911,271 +32249,6 @@ void publish_sleep_changes(sleep_changes& changes, std::uint16_t tag, step_event
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/step/pair_cache.hpp
-// =================================================================================================
-// What a narrowphase remembers of pairs from step to step, packed: of most pairs it is little.
-
-PHYSICS_HPP_BEGIN
-
-namespace detail {
-
-/// Memories of pairs, in ascending order of the pairs. Those of which there is nothing to keep are left out.
-template <class Plan>
-class pair_cache {
-    using memory = typename Plan::pair_memory;
-    using kept = kept_memory<memory>;
-    using unit = std::uint32_t;
-
-public:
-    [[nodiscard]] std::uint32_t size() const { return pairs_.size(); }
-    [[nodiscard]] proxy_pair pair(std::uint32_t i) const { return pairs_[i]; }
-    /// The first one that is not of an earlier pair.
-    [[nodiscard]] std::uint32_t find(proxy_pair pair) const {
-        return count_before(pairs_, [&](proxy_pair p) { return p < pair; });
-    }
-    /// Writes an empty one.
-    static void clear(memory& m) { kept::clear(m); }
-    void read(std::uint32_t i, memory& m) const {
-        clear(m);
-        const std::uint32_t contents = contents_at(places_[i]);
-        if (!is_brief(places_[i])) {
-            const unit* from = units_.begin() + places_[i] + 1;
-            kept::each_piece(m, contents, [&](void* to, std::size_t bytes) {
-                std::memcpy(to, from, bytes);
-                from += units_for(bytes);
-            });
-        }
-        kept::complete(m, contents);
-    }
-    [[nodiscard]] memory operator[](std::uint32_t i) const {
-        memory m{};
-        read(i, m);
-        return m;
-    }
-    /// Whether what was read from here has not changed: it says so, or all that there is to keep is a number.
-    [[nodiscard]] bool is_unchanged(std::uint32_t i, const memory& m) const {
-        return !kept::has_changed(m) || (is_brief(places_[i]) && contents_at(places_[i]) == kept::contents(m));
-    }
-
-    void clear() {
-        pairs_.clear();
-        places_.clear();
-        units_.clear();
-        free_ = {};
-    }
-    /// Adds a memory after the others, unless there is nothing to keep of it.
-    void add(proxy_pair pair, memory& m) {
-        const std::uint32_t contents = kept::contents(m);
-        if (contents == 0) return;
-        const std::uint32_t place = make_room(contents);
-        pairs_.push_back(pair);
-        places_.push_back(place);
-        if (is_brief(place)) return;
-        kept::tidy(m);
-        unit* to = units_.begin() + place;
-        *to++ = contents;
-        kept::each_piece(m, contents, [&](const void* from, std::size_t bytes) {
-            const std::size_t count = units_for(bytes);
-            // What is behind the last byte.
-            to[count - 1] = 0;
-            std::memcpy(to, from, bytes);
-            to += count;
-        });
-    }
-    /// Forgets the pairs that have a shape for which gone(shape) is true.
-    template <class Gone>
-    void drop(Gone&& gone) {
-        std::uint32_t left = 0;
-        for (std::uint32_t i = 0; i < size(); ++i) {
-            if (gone(pairs_[i].a) || gone(pairs_[i].b)) free_place(places_[i]);
-            else move(i, left++);
-        }
-        truncate(left);
-        clear_if_empty();
-    }
-
-    /// Lists of what is new, which follow on each other: the parts of some longer ones from `first` to `end`.
-    struct segment {
-        pair_cache* of;
-        std::uint32_t first, end;
-    };
-    /// Forgets those that are not kept and takes in what is new. No pair is in both, and in its own place.
-    void change(const bool* is_kept, const segment* segments, std::uint32_t count) {
-        std::uint32_t i = 0, left = 0, added = 0;
-        const auto pass = [&] {
-            if (is_kept[i]) move(i, left++);
-            else free_place(places_[i]);
-            ++i;
-        };
-        for (std::uint32_t k = 0; k < count; ++k)
-            for (std::uint32_t n = segments[k].first; n < segments[k].end; ++n) {
-                pair_cache& of = *segments[k].of;
-                const proxy_pair pair = of.pairs_[n];
-                while (i < size() && pairs_[i] < pair) pass();
-                const bool known = i < size() && pairs_[i] == pair;
-                const std::uint32_t contents = of.contents_at(of.places_[n]);
-                const bool fits = known && units_of(contents) == units_of(contents_at(places_[i]));
-                if (known && !fits) free_place(places_[i]);
-                const std::uint32_t place = fits && !is_brief(places_[i]) ? places_[i] : make_room(contents);
-                if (!is_brief(place))
-                    std::memcpy(units_.begin() + place, of.units_.begin() + of.places_[n],
-                                units_of(contents) * sizeof(unit));
-                if (known) {
-                    places_[i] = place;
-                    move(i++, left++);
-                    // No shape meets itself: this one is in its place.
-                    of.pairs_[n].b = pair.a;
-                } else {
-                    of.places_[n] = place;
-                    ++added;
-                }
-            }
-        while (i < size()) pass();
-        truncate(left);
-        if (added > 0) insert(segments, count, added);
-        clear_if_empty();
-    }
-    /// Exchanges the memory of each of the buffers with that of another which is empty too, if it has more.
-    void swap_larger(pair_cache& other) {
-        const auto swap_larger_one = [](auto& mine, auto& theirs) {
-            if (mine.capacity() < theirs.capacity()) mine.swap(theirs);
-        };
-        swap_larger_one(pairs_, other.pairs_);
-        swap_larger_one(places_, other.places_);
-        swap_larger_one(units_, other.units_);
-    }
-    void swap(pair_cache& other) noexcept {
-        pairs_.swap(other.pairs_);
-        places_.swap(other.places_);
-        units_.swap(other.units_);
-        std::swap(free_, other.free_);
-    }
-
-    PHYSICS_HPP_MEMBERS(pairs_, places_, units_, free_)
-
-private:
-    static constexpr std::size_t units_for(std::size_t bytes) { return (bytes + sizeof(unit) - 1) / sizeof(unit); }
-    /// So much does a memory of these contents need.
-    static std::uint32_t units_of(std::uint32_t contents) {
-        std::size_t count = 1;
-        const memory m{};
-        kept::each_piece(m, contents, [&](const void*, std::size_t bytes) { count += units_for(bytes); });
-        return static_cast<std::uint32_t>(count);
-    }
-    /// No piece is smaller than a unit, and none is twice as large as what it holds.
-    static constexpr std::size_t max_units = 1 + 2 * units_for(sizeof(memory));
-    /// Free lists by size: the first free place of each size plus 1; a free place holds the next one.
-    struct free_places {
-        std::uint32_t first[max_units + 1];
-    };
-    /// Marks the place of contents which are all that there is to keep.
-    static constexpr std::uint32_t brief = 0x80000000u;
-    static bool is_brief(std::uint32_t place) { return (place & brief) != 0; }
-    [[nodiscard]] std::uint32_t contents_at(std::uint32_t place) const {
-        return is_brief(place) ? place & ~brief : units_[place];
-    }
-
-    std::uint32_t make_room(std::uint32_t contents) {
-        const std::uint32_t count = units_of(contents);
-        if (count == 1 && !is_brief(contents)) return brief | contents;
-        std::uint32_t& head = free_.first[count];
-        if (head != 0) {
-            const std::uint32_t place = head - 1;
-            head = units_[place];
-            return place;
-        }
-        const std::uint32_t place = units_.size();
-        if (is_brief(place + count)) {
-            refuse("step", "pairs", static_cast<double>(size()), "there are more than can be remembered");
-            std::abort();
-        }
-        units_.extend(count);
-        return place;
-    }
-    void free_place(std::uint32_t place) {
-        if (is_brief(place)) return;
-        std::uint32_t& head = free_.first[units_of(units_[place])];
-        units_[place] = head;
-        head = place + 1;
-    }
-    void move(std::uint32_t from, std::uint32_t to) {
-        if (from == to) return;
-        pairs_[to] = pairs_[from];
-        places_[to] = places_[from];
-    }
-    void truncate(std::uint32_t count) {
-        pairs_.resize(count);
-        places_.resize(count);
-    }
-    void clear_if_empty() {
-        if (size() == 0) clear();
-    }
-    /// Puts new ones into the order, from behind.
-    void insert(const segment* segments, std::uint32_t count, std::uint32_t added) {
-        std::uint32_t left = size(), to = left + added;
-        pairs_.extend(added);
-        places_.extend(added);
-        for (std::uint32_t k = count; k-- > 0;)
-            for (std::uint32_t n = segments[k].end; n-- > segments[k].first;) {
-                const pair_cache& of = *segments[k].of;
-                const proxy_pair pair = of.pairs_[n];
-                if (pair.a == pair.b) continue;
-                while (left > 0 && pair < pairs_[left - 1]) move(--left, --to);
-                pairs_[--to] = pair;
-                places_[to] = of.places_[n];
-            }
-    }
-
-    buffer<proxy_pair> pairs_;
-    /// Where the contents of each begin, or these themselves.
-    buffer<std::uint32_t> places_;
-    /// Empty where there are no pairs.
-    buffer<unit> units_;
-    free_places free_ = {};
-};
-
-/// What a step makes of the memories, until it has succeeded.
-template <class Plan>
-struct pair_cache_changes {
-    using memories = pair_cache<Plan>;
-
-    /// What each worker has to add.
-    per_worker<memories> by;
-    /// For the step: which memories stay as they are, and the lists of those that are new, in the order of their pairs.
-    bool* is_kept = nullptr;
-    typename memories::segment* segments = nullptr;
-    std::uint32_t count = 0;
-    /// Whether all of them are one list.
-    bool is_one = false;
-
-    void start(memories& before, std::uint32_t maximum, const task_runner& tasks, arena& scratch) {
-        for (std::uint32_t k = 0; k < tasks.workers(); ++k) by[k].clear();
-        is_one = tasks.is_serial();
-        // It goes over as a whole, and comes back where the same begins anew.
-        if (is_one && before.size() == 0) by[0].swap_larger(before);
-        is_kept = scratch.allocate<bool>(before.size());
-        for (std::uint32_t i = 0; i < before.size(); ++i) is_kept[i] = false;
-        segments = scratch.allocate<typename memories::segment>(maximum);
-        count = maximum;
-    }
-    template <class Recalled>
-    void add(const Recalled& pairs, const memories& before, std::uint32_t segment, std::uint32_t worker) {
-        memories& to = by[worker];
-        const std::uint32_t first = to.size();
-        pairs.save_to_cache(before, is_kept, to);
-        segments[segment] = {&to, first, to.size()};
-    }
-    void finish(memories& of) {
-        if (is_one && of.size() == 0) of.swap(by[0]);
-        else of.change(is_kept, segments, count);
-    }
-};
-
-}  // namespace detail
-
-PHYSICS_HPP_END
-
-// =================================================================================================
 // physics/step/step_data.hpp
 // =================================================================================================
 // What a step works with: nothing of it outlives the step, but its memory.
@@ -32502,6 +32575,7 @@ struct state {
     awake_list awake;
     /// What the narrowphase remembers of the last step's pairs.
     pair_cache<Plan> memories;
+    removed_shapes removed;
     [[no_unique_address]] sleep_of<Plan> sleep;
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
@@ -32515,7 +32589,7 @@ struct state {
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     unsaved<std::uint16_t> tag;
     PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
-                        sleep, continuous, joints, dropped, sensors, steps, step_lengths, tag)
+                        removed, sleep, continuous, joints, dropped, sensors, steps, step_lengths, tag)
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
@@ -33050,32 +33124,6 @@ PHYSICS_HPP_END
 PHYSICS_HPP_BEGIN
 
 namespace detail {
-
-/// Keeps, in order, the contacts for which stays(contact) is true, and hands the others to out.
-template <class Contacts, class Stays, class Out>
-void partition_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
-    std::uint32_t kept = 0;
-    for (std::uint32_t i = 0; i < contacts.size(); ++i) {
-        if (!stays(contacts[i])) {
-            out(contacts[i]);
-            continue;
-        }
-        if (kept != i) contacts[kept] = contacts[i];
-        ++kept;
-    }
-    while (contacts.size() > kept) contacts.pop_back();
-}
-/// Adds contacts to others; both lists, and the result, are in ascending order of their pairs.
-template <class Contact>
-void merge_contacts(buffer<Contact>& to, const buffer<Contact>& more) {
-    std::uint32_t i = to.size(), j = more.size();
-    if (j == 0) return;
-    to.resize(i + j, more[0]);
-    for (std::uint32_t at = to.size(); j > 0;) {
-        const bool is_last = i > 0 && more[j - 1].key() < to[i - 1].key();
-        to[--at] = is_last ? to[--i] : more[--j];
-    }
-}
 
 /// Calls f(body) for all of a sleeper's island, itself included; f may wake them.
 template <class Plan, class F>
@@ -36085,6 +36133,8 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     clear_depths<Plan>(s.bodies.slots(), d.sweep);
     // Settings -> what all surfaces make of each other, where no shape has a material of its own.
     if (!combine_common_materials<Plan>(s.settings, d.new_material)) return step_result::bad_mixing_rule;
+    // Shapes that are gone -> contacts and memories without them.
+    if (s.removed.take_out(s.contacts, s.memories)) d.contacts_of.is_stale = true;
     // Velocities -> boxes in the broadphase, of bodies that look ahead; how far, in d.sweep.
     look_ahead<Plan>(s.bodies, s.shapes, s.sleep, s.continuous, s.settings, h, s.broadphase, d.sweep);
     // Bodies -> which of them move.
@@ -37578,13 +37628,14 @@ public:
                 const list& in = lists()[list_];
                 first_[list_] = first_from(in, first_[list_]);
                 const std::uint32_t at = first_[list_] + rank_;
-                if (at < in.size() && in[at].key() == pair_) return;
+                if (at < in.size() && in[at].key() == pair_ && !state_->removed.in(in[at])) return;
             }
             proxy_pair next = pair_;
             at_end_ = true;
             for (int k = 0; k < count; ++k) {
                 const list& in = lists()[k];
-                while (first_[k] < in.size() && in[first_[k]].key() == pair_) ++first_[k];
+                while (first_[k] < in.size() && (in[first_[k]].key() == pair_ || state_->removed.in(in[first_[k]])))
+                    ++first_[k];
                 if (first_[k] == in.size() || (!at_end_ && !(in[first_[k]].key() < next))) continue;
                 next = in[first_[k]].key();
                 list_ = k;
@@ -37611,10 +37662,13 @@ public:
     };
     iterator begin() const { return iterator(*state_); }
     range_end end() const { return {}; }
-    /// Number of contacts.
+    /// Number of contacts. O(contacts) after some have been destroyed, until the next step.
     [[nodiscard]] std::uint32_t size() const {
-        if constexpr (Plan::sleeps) return state_->contacts.size() + state_->sleep.contacts.size();
-        else return state_->contacts.size();
+        std::uint32_t count = state_->contacts.size();
+        if (state_->removed.any())
+            for (const auto& c : state_->contacts) count -= state_->removed.in(c);
+        if constexpr (Plan::sleeps) count += state_->sleep.contacts.size();
+        return count;
     }
 
 private:
@@ -37634,12 +37688,7 @@ class own_contact_range {
 public:
     /// Of a body, and of one of its shapes only unless that is no_shape.
     own_contact_range(const world_data<Plan>& s, std::uint32_t body, std::uint32_t shape) : state_(&s) {
-        const buffer<typename Plan::contact>* asleep = nullptr;
-        if constexpr (Plan::sleeps) asleep = &s.sleep.contacts;
-        s.step.contacts_of.each(s.bodies.slots(), s.contacts, asleep, body, [&](std::uint32_t n) {
-            const bool is_asleep = n >= s.contacts.size();
-            const auto& in = is_asleep ? *asleep : s.contacts;
-            const std::uint32_t at = is_asleep ? n - s.contacts.size() : n;
+        each_contact(s, body, [&](const auto& in, std::uint32_t at) {
             if (shape != no_shape && in[at].shape_a != shape && in[at].shape_b != shape) return;
             std::uint32_t rank = 0;
             while (rank < at && in[at - rank - 1].key() == in[at].key()) ++rank;
@@ -37668,7 +37717,9 @@ public:
 
     private:
         const typename Plan::contact* find(const buffer<typename Plan::contact>& in) const {
-            const auto is_here = [&](std::uint32_t i) { return i < in.size() && in[i].key() == at_->pair; };
+            const auto is_here = [&](std::uint32_t i) {
+                return i < in.size() && in[i].key() == at_->pair && !state_->removed.in(in[i]);
+            };
             const std::uint32_t first = at_->at - at_->rank;
             if (is_here(at_->at) && is_here(first) && (first == 0 || !is_here(first - 1))) return &in[at_->at];
             const std::uint32_t i = first_contact(in, at_->pair) + at_->rank;
@@ -37705,34 +37756,44 @@ template <class Plan>
 void wake(world_data<Plan>& s, std::uint32_t body) {
     if constexpr (Plan::sleeps) wake_islands(to_wake<Plan>(s, s.step), [&](auto&& f) { f(body); });
 }
-/// Bodies change, for which each(f) calls f(body) and is_one(body) is true: wakes the islands of those that are
+/// Calls f(list, i) for the contacts of a body: list[i] is one of those that can be pushed, or of those of sleepers.
+template <class Plan, class F>
+void each_contact(const world_data<Plan>& s, std::uint32_t body, F&& f) {
+    const buffer<typename Plan::contact>* asleep = nullptr;
+    if constexpr (Plan::sleeps) asleep = &s.sleep.contacts;
+    s.step.contacts_of.each(s.bodies.slots(), s.contacts, asleep, body, [&](std::uint32_t n) {
+        const bool is_asleep = n >= s.contacts.size();
+        const std::uint32_t at = is_asleep ? n - s.contacts.size() : n;
+        const auto& list = is_asleep ? *asleep : s.contacts;
+        if (!s.removed.in(list[at])) f(list, at);
+    });
+}
+/// Bodies change, for which each(f) calls f(body): wakes the islands of those that are
 /// dynamic, and of what touches others or is held to them by joints.
-template <class Plan, class Each, class IsOne>
-void wake_affected(world_data<Plan>& s, Each&& each, IsOne&& is_one) {
+template <class Plan, class Each>
+void wake_affected(world_data<Plan>& s, Each&& each) {
     if constexpr (Plan::sleeps) {
         auto& affected = s.step.near;
         affected.clear();
-        bool any_still = false;
         each([&](std::uint32_t body) {
-            if (s.bodies[body].is_dynamic()) affected.push_back(body);
-            else {
-                any_still = true;
-                each_connected(s.joints, body, [&](std::uint32_t other) { affected.push_back(other); });
+            if (s.bodies[body].is_dynamic()) {
+                affected.push_back(body);
+                return;
             }
+            const auto add = [&](std::uint32_t other) { affected.push_back(other); };
+            each_connected(s.joints, body, add);
+            if (s.sleep.contacts.empty()) return;
+            each_contact(s, body, [&](const auto& in, std::uint32_t at) {
+                if (&in == &s.sleep.contacts)
+                    add(in[at].bodies.body_a == body ? in[at].bodies.body_b : in[at].bodies.body_a);
+            });
         });
-        const auto is_still = [&](std::uint32_t body) { return is_one(body) && !s.bodies[body].is_dynamic(); };
-        if (any_still)
-            for (const auto& c : s.sleep.contacts) {
-                if (is_still(c.bodies.body_a)) affected.push_back(c.bodies.body_b);
-                if (is_still(c.bodies.body_b)) affected.push_back(c.bodies.body_a);
-            }
         wake_listed(to_wake<Plan>(s, s.step));
     }
 }
 template <class Plan>
 void wake_affected(world_data<Plan>& s, std::uint32_t body) {
-    wake_affected(
-        s, [&](auto&& f) { f(body); }, [&](std::uint32_t other) { return other == body; });
+    wake_affected(s, [&](auto&& f) { f(body); });
 }
 template <class Plan>
 void wake_near(world_data<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
@@ -37797,6 +37858,20 @@ void drop_contacts(world_data<Plan>& s, Gone&& gone) {
     s.step.contacts_of.is_stale = true;
 }
 
+/// Forgets the contacts of a body's shapes, or of one of them only unless that is no_shape, as the next step begins; to
+/// all they are gone at once. What may fail comes before anything is changed.
+template <class Plan>
+void remove_contacts(world_data<Plan>& s, std::uint32_t body, std::uint32_t shape) {
+    if constexpr (Plan::events::contacts)
+        each_contact(s, body, [&](const auto& in, std::uint32_t at) {
+            if (shape == no_shape || in[at].shape_a == shape || in[at].shape_b == shape)
+                note_dropped<Plan>(in[at], s.bodies, s.shapes, s.dropped.list);
+        });
+    s.removed.make_room(s.shapes.slots());
+    if (shape != no_shape) s.removed.add(shape);
+    else each_shape(s, body, [&](std::uint32_t i, const auto&) { s.removed.add(i); });
+}
+
 /// Takes a joint out of its bodies' lists and of its kind.
 template <class Plan>
 void erase_joint(world_data<Plan>& s, std::uint32_t index) {
@@ -37828,14 +37903,13 @@ void drop_sensors([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] Each&& 
 /// Removes bodies, for which each(f) calls f(body) and is_gone(body) is true.
 template <class Plan, class Each, class Gone>
 void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
-    wake_affected(s, each, is_gone);
+    wake_affected(s, each);
+    each([&](std::uint32_t body) { remove_contacts(s, body, no_shape); });
     if constexpr (Plan::has_joints)
         each([&](std::uint32_t body) {
             s.joints.each_of(body, [&](std::uint32_t i, const auto&) { erase_joint(s, i); });
         });
-    drop_contacts(s, [&](const auto& c) { return is_gone(c.bodies.body_a) || is_gone(c.bodies.body_b); });
     s.awake.is_stale = true;
-    s.memories.drop([&](std::uint32_t shape) { return is_gone(s.shapes[shape].body); });
     drop_sensors(
         s,
         [&](auto&& f) {
@@ -37902,8 +37976,7 @@ void destroy_shape(world_data<Plan>& s, std::uint32_t index) {
         !check_shapes_mass(s, body, "destroy_shape", index))
         return;
     wake_affected(s, body);
-    drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
-    s.memories.drop([&](std::uint32_t shape) { return shape == index; });
+    remove_contacts(s, body, index);
     drop_sensors(
         s, [&](auto&& f) { f(index); }, [&](std::uint32_t shape) { return shape == index; });
     std::uint32_t* link = &s.bodies[body].first_shape;
@@ -38135,8 +38208,7 @@ void disable(world_data<Plan>& s, std::uint32_t index) {
     b.torque = {};
     set_mass_properties(s, index, b.mass);
     note_enabled(s, index);
-    drop_contacts(s, [&](const auto& c) { return c.bodies.body_a == index || c.bodies.body_b == index; });
-    s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
+    remove_contacts(s, index, no_shape);
     s.awake.is_stale = true;
     reinsert_proxies(s, index);
 }
@@ -38639,8 +38711,11 @@ std::uint64_t state_hash(const state<Plan>& s) {
     add_all(s.shapes);
     h.add(s.step_lengths.usual);
     if (!(s.step_lengths.last == s.step_lengths.usual)) h.add(s.step_lengths.last);
-    h.add(std::uint64_t{s.contacts.size()});
-    for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+    std::uint64_t contacts = 0;
+    for (const auto& c : s.contacts) contacts += !s.removed.in(c);
+    h.add(contacts);
+    for (const auto& c : s.contacts)
+        if (!s.removed.in(c)) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
     if constexpr (Plan::sleeps) {
         s.bodies.each([&](std::uint32_t i, const auto&) {
             h.add(s.sleep.sleep_time[i]);
@@ -38658,6 +38733,7 @@ std::uint64_t state_hash(const state<Plan>& s) {
     if constexpr (Plan::remembers)
         for (std::uint32_t i = 0; i < s.memories.size(); ++i) {
             const auto [a, b] = s.memories.pair(i);
+            if (s.removed.has(a) || s.removed.has(b)) continue;
             const std::uint64_t digest = digest_of(s.memories[i], std::uint64_t{a} << 32 | b);
             if (digest != 0) h.add(digest);
         }
@@ -39295,7 +39371,7 @@ public:
     /// finds it and its joints hold nothing. All of it may be changed meanwhile, but forces, impulses and targets,
     /// which are refused. Its contacts end, and what touched it wakes; so does what it meets when it comes back. In
     /// contrast to destroy_body its handle, shapes, joints and velocities stay. Nothing of it counts as energy.
-    /// O(shapes + contacts).
+    /// Cost: as of destroy_body.
     void set_enabled(body_id id, bool enabled) {
         if (const auto b = detail::find_body(data(), id, "set_enabled")) code::set_enabled(data(), b.index, enabled);
     }
@@ -40303,11 +40379,12 @@ public:
     /// Adds a body; shapes give it extent and, if it is dynamic, mass. Without mass from shapes it is a point of
     /// 1 kg that nothing turns.
     body_id create_body(const body_def& def = {}) { return code::create_body(data_, def); }
-    /// Removes a body with its shapes and contacts. O(shapes + contacts).
+    /// Removes a body with its shapes and contacts. O(its shapes); that of contacts(id) in recipes with contact events
+    /// and where a static body bears sleepers.
     void destroy_body(body_id id) {
         if (const auto b = find(id, "destroy_body")) code::destroy_body(data_, b.index);
     }
-    /// Removes several at once: O(shapes + contacts) for all of them. Refused where one is listed twice.
+    /// Removes several at once, and wakes what slept on them in one pass. Refused where one is listed twice.
     void destroy_bodies(const body_id* ids, std::uint32_t count) { code::destroy_bodies(data_, ids, count); }
     template <class Ids>
     void destroy_bodies(const Ids& ids) requires requires {
@@ -40337,7 +40414,8 @@ public:
     shape_id create_shape(body_id body, const placed_shape<Shape, dimension>& placed, const shape_def& def = {}) {
         return create_shape(body, placed.shape, detail::moved_def(def, placed));
     }
-    /// Removes a shape and its contacts. Refused where the rest's mass is one that the scalar cannot hold. O(contacts).
+    /// Removes a shape and its contacts. Refused where the rest's mass is one that the scalar cannot hold. Cost: as of
+    /// destroy_body.
     void destroy_shape(shape_id id) {
         const auto s = detail::find_shape(data_, id, "destroy_shape");
         if (s) code::destroy_shape(data_, s.index);

@@ -306,6 +306,7 @@
 #include "physics/step/awake.hpp"
 #include "physics/step/collide.hpp"
 #include "physics/step/contact_index.hpp"
+#include "physics/step/contact_lists.hpp"
 #include "physics/step/contact_rule.hpp"
 #include "physics/step/depths.hpp"
 #include "physics/step/edges.hpp"

@@ -1,6 +1,8 @@
 // Removing several bodies at once: as one by one, but in one pass.
 #pragma once
 
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "refusal.hpp"
@@ -8,6 +10,8 @@
 
 namespace {
 namespace removal_laws {
+
+using access = physics::detail::world_access;
 
 struct linked : physics::recipe<cell::scalar, cell::dimension, physics::joints<physics::distance_joint>> {};
 
@@ -91,6 +95,66 @@ CELL_CASE("removal: what is null, foreign, gone or listed twice is refused befor
     w.destroy_bodies(nullptr, 0);
     w.destroy_bodies(std::vector<body_id>{});
     CHECK((facts_of(w) == before));
+}
+/// The pairs of shapes that a world has contacts of, by handle: of all, or of one body.
+template <class Range>
+std::vector<std::pair<physics::shape_id, physics::shape_id>> pairs_in(const Range& contacts) {
+    std::vector<std::pair<physics::shape_id, physics::shape_id>> pairs;
+    for (const auto& c : contacts) pairs.push_back({c.shape_a, c.shape_b});
+    CHECK(pairs.size() == contacts.size());
+    return pairs;
+}
+CELL_CASE("removal: contacts that are left are those of what is left, also where numbers come again before a step") {
+    cell::dice dice(4200);
+    for (const int steps : {1, 40, 300})
+        for (int i = 0; i < 12; ++i) {
+            warehouse<world> of(steps);
+            world& w = of.w;
+            const auto before = pairs_in(w.contacts());
+            std::vector<body_id> left = of.bodies, disabled;
+            for (int n = 0; n < 12; ++n) {
+                const auto k = left.begin() + dice.below(static_cast<int>(left.size()));
+                const body_id id = *k;
+                left.erase(k);
+                if (n % 3 == 1) {
+                    w.set_enabled(id, false);
+                    disabled.push_back(id);
+                } else if (n % 3 == 2) {
+                    w.destroy_shape(*w.shapes(id).begin());
+                    disabled.push_back(id);
+                } else {
+                    w.destroy_body(id);
+                    // In its place, under its number.
+                    left.push_back(add_box(w, at(3 * dice.below(8), 9 + n)));
+                }
+                const auto lasts = [&](physics::shape_id shape) {
+                    return w.contains(shape) &&
+                           std::find(disabled.begin(), disabled.end(), w.body(shape)) == disabled.end();
+                };
+                auto expected = before;
+                std::erase_if(expected, [&](const auto& p) { return !lasts(p.first) || !lasts(p.second); });
+                REQUIRE(pairs_in(w.contacts()) == expected);
+                for (const body_id b : w.bodies()) {
+                    auto own = expected;
+                    std::erase_if(own, [&](const auto& p) { return w.body(p.first) != b && w.body(p.second) != b; });
+                    REQUIRE(pairs_in(w.contacts(b)) == own);
+                }
+                world copy = w;
+                physics::detail::raw_snapshot<physics::detail::plan_of<scene>::type> image;
+                image.save(access::state_of(w));
+                world other = of.w;
+                for (int m = 0; m < 3; ++m) copy.step(S(1.0 / 64));
+                REQUIRE(image.restore(access::data_of(other)));
+                CHECK(other.state_hash() == w.state_hash());
+                CHECK(pairs_in(other.contacts()) == expected);
+                for (int m = 0; m < 3; ++m) other.step(S(1.0 / 64));
+                CHECK(other.state_hash() == copy.state_hash());
+            }
+            for (const body_id id : disabled)
+                if (!w.enabled(id)) w.set_enabled(id, true);
+            w.step(S(1.0 / 64));
+            for (const auto& c : w.contacts()) CHECK((w.contains(c.shape_a) && w.contains(c.shape_b)));
+        }
 }
 CELL_CASE("removal: a world that has been cleared is empty and serves again") {
     for (const int steps : {0, 300}) {

@@ -14,6 +14,11 @@ public:
     void grow(std::uint32_t size) {
         if ((size + 63) / 64 > words_.size()) words_.resize((size + 63) / 64, 0);
     }
+    /// Makes all bits clear, and takes their room.
+    void clear() { words_.clear(); }
+    [[nodiscard]] bool empty() const { return words_.empty(); }
+    /// Whether there is room for a bit, and it is set.
+    [[nodiscard]] bool has(std::uint32_t i) const { return i / 64 < words_.size() && (*this)[i]; }
     bool operator[](std::uint32_t i) const { return (words_[i / 64] >> i % 64 & 1) != 0; }
     void set(std::uint32_t i) { words_[i / 64] |= std::uint64_t{1} << i % 64; }
     void clear(std::uint32_t i) { words_[i / 64] &= ~(std::uint64_t{1} << i % 64); }

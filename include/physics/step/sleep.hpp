@@ -8,32 +8,6 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Keeps, in order, the contacts for which stays(contact) is true, and hands the others to out.
-template <class Contacts, class Stays, class Out>
-void partition_contacts(Contacts& contacts, Stays&& stays, Out&& out) {
-    std::uint32_t kept = 0;
-    for (std::uint32_t i = 0; i < contacts.size(); ++i) {
-        if (!stays(contacts[i])) {
-            out(contacts[i]);
-            continue;
-        }
-        if (kept != i) contacts[kept] = contacts[i];
-        ++kept;
-    }
-    while (contacts.size() > kept) contacts.pop_back();
-}
-/// Adds contacts to others; both lists, and the result, are in ascending order of their pairs.
-template <class Contact>
-void merge_contacts(buffer<Contact>& to, const buffer<Contact>& more) {
-    std::uint32_t i = to.size(), j = more.size();
-    if (j == 0) return;
-    to.resize(i + j, more[0]);
-    for (std::uint32_t at = to.size(); j > 0;) {
-        const bool is_last = i > 0 && more[j - 1].key() < to[i - 1].key();
-        to[--at] = is_last ? to[--i] : more[--j];
-    }
-}
-
 /// Calls f(body) for all of a sleeper's island, itself included; f may wake them.
 template <class Plan, class F>
 void each_of_island(const sleep_state<Plan>& sleep, std::uint32_t body, F&& f) {

@@ -4,6 +4,7 @@
 #include "physics/base/handle.hpp"
 #include "physics/base/pool.hpp"
 #include "physics/step/awake.hpp"
+#include "physics/step/contact_lists.hpp"
 #include "physics/step/joints.hpp"
 #include "physics/step/step_data.hpp"
 
@@ -175,6 +176,7 @@ struct state {
     awake_list awake;
     /// What the narrowphase remembers of the last step's pairs.
     pair_cache<Plan> memories;
+    removed_shapes removed;
     [[no_unique_address]] sleep_of<Plan> sleep;
     [[no_unique_address]] std::conditional_t<Plan::is_continuous, continuous_state<Plan>, nothing_continuous>
         continuous;
@@ -188,7 +190,7 @@ struct state {
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     unsaved<std::uint16_t> tag;
     PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
-                        sleep, continuous, joints, dropped, sensors, steps, step_lengths, tag)
+                        removed, sleep, continuous, joints, dropped, sensors, steps, step_lengths, tag)
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {

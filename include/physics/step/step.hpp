@@ -74,6 +74,8 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     clear_depths<Plan>(s.bodies.slots(), d.sweep);
     // Settings -> what all surfaces make of each other, where no shape has a material of its own.
     if (!combine_common_materials<Plan>(s.settings, d.new_material)) return step_result::bad_mixing_rule;
+    // Shapes that are gone -> contacts and memories without them.
+    if (s.removed.take_out(s.contacts, s.memories)) d.contacts_of.is_stale = true;
     // Velocities -> boxes in the broadphase, of bodies that look ahead; how far, in d.sweep.
     look_ahead<Plan>(s.bodies, s.shapes, s.sleep, s.continuous, s.settings, h, s.broadphase, d.sweep);
     // Bodies -> which of them move.

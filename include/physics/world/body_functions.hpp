@@ -62,7 +62,7 @@ public:
     /// finds it and its joints hold nothing. All of it may be changed meanwhile, but forces, impulses and targets,
     /// which are refused. Its contacts end, and what touched it wakes; so does what it meets when it comes back. In
     /// contrast to destroy_body its handle, shapes, joints and velocities stay. Nothing of it counts as energy.
-    /// O(shapes + contacts).
+    /// Cost: as of destroy_body.
     void set_enabled(body_id id, bool enabled) {
         if (const auto b = detail::find_body(data(), id, "set_enabled")) code::set_enabled(data(), b.index, enabled);
     }

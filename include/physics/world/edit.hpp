@@ -215,8 +215,7 @@ void disable(world_data<Plan>& s, std::uint32_t index) {
     b.torque = {};
     set_mass_properties(s, index, b.mass);
     note_enabled(s, index);
-    drop_contacts(s, [&](const auto& c) { return c.bodies.body_a == index || c.bodies.body_b == index; });
-    s.memories.drop([&](std::uint32_t shape) { return s.shapes[shape].body == index; });
+    remove_contacts(s, index, no_shape);
     s.awake.is_stale = true;
     reinsert_proxies(s, index);
 }

@@ -216,8 +216,11 @@ std::uint64_t state_hash(const state<Plan>& s) {
     add_all(s.shapes);
     h.add(s.step_lengths.usual);
     if (!(s.step_lengths.last == s.step_lengths.usual)) h.add(s.step_lengths.last);
-    h.add(std::uint64_t{s.contacts.size()});
-    for (const auto& c : s.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+    std::uint64_t contacts = 0;
+    for (const auto& c : s.contacts) contacts += !s.removed.in(c);
+    h.add(contacts);
+    for (const auto& c : s.contacts)
+        if (!s.removed.in(c)) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
     if constexpr (Plan::sleeps) {
         s.bodies.each([&](std::uint32_t i, const auto&) {
             h.add(s.sleep.sleep_time[i]);
@@ -235,6 +238,7 @@ std::uint64_t state_hash(const state<Plan>& s) {
     if constexpr (Plan::remembers)
         for (std::uint32_t i = 0; i < s.memories.size(); ++i) {
             const auto [a, b] = s.memories.pair(i);
+            if (s.removed.has(a) || s.removed.has(b)) continue;
             const std::uint64_t digest = digest_of(s.memories[i], std::uint64_t{a} << 32 | b);
             if (digest != 0) h.add(digest);
         }

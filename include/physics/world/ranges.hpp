@@ -195,13 +195,14 @@ public:
                 const list& in = lists()[list_];
                 first_[list_] = first_from(in, first_[list_]);
                 const std::uint32_t at = first_[list_] + rank_;
-                if (at < in.size() && in[at].key() == pair_) return;
+                if (at < in.size() && in[at].key() == pair_ && !state_->removed.in(in[at])) return;
             }
             proxy_pair next = pair_;
             at_end_ = true;
             for (int k = 0; k < count; ++k) {
                 const list& in = lists()[k];
-                while (first_[k] < in.size() && in[first_[k]].key() == pair_) ++first_[k];
+                while (first_[k] < in.size() && (in[first_[k]].key() == pair_ || state_->removed.in(in[first_[k]])))
+                    ++first_[k];
                 if (first_[k] == in.size() || (!at_end_ && !(in[first_[k]].key() < next))) continue;
                 next = in[first_[k]].key();
                 list_ = k;
@@ -228,10 +229,13 @@ public:
     };
     iterator begin() const { return iterator(*state_); }
     range_end end() const { return {}; }
-    /// Number of contacts.
+    /// Number of contacts. O(contacts) after some have been destroyed, until the next step.
     [[nodiscard]] std::uint32_t size() const {
-        if constexpr (Plan::sleeps) return state_->contacts.size() + state_->sleep.contacts.size();
-        else return state_->contacts.size();
+        std::uint32_t count = state_->contacts.size();
+        if (state_->removed.any())
+            for (const auto& c : state_->contacts) count -= state_->removed.in(c);
+        if constexpr (Plan::sleeps) count += state_->sleep.contacts.size();
+        return count;
     }
 
 private:
@@ -251,12 +255,7 @@ class own_contact_range {
 public:
     /// Of a body, and of one of its shapes only unless that is no_shape.
     own_contact_range(const world_data<Plan>& s, std::uint32_t body, std::uint32_t shape) : state_(&s) {
-        const buffer<typename Plan::contact>* asleep = nullptr;
-        if constexpr (Plan::sleeps) asleep = &s.sleep.contacts;
-        s.step.contacts_of.each(s.bodies.slots(), s.contacts, asleep, body, [&](std::uint32_t n) {
-            const bool is_asleep = n >= s.contacts.size();
-            const auto& in = is_asleep ? *asleep : s.contacts;
-            const std::uint32_t at = is_asleep ? n - s.contacts.size() : n;
+        each_contact(s, body, [&](const auto& in, std::uint32_t at) {
             if (shape != no_shape && in[at].shape_a != shape && in[at].shape_b != shape) return;
             std::uint32_t rank = 0;
             while (rank < at && in[at - rank - 1].key() == in[at].key()) ++rank;
@@ -285,7 +284,9 @@ public:
 
     private:
         const typename Plan::contact* find(const buffer<typename Plan::contact>& in) const {
-            const auto is_here = [&](std::uint32_t i) { return i < in.size() && in[i].key() == at_->pair; };
+            const auto is_here = [&](std::uint32_t i) {
+                return i < in.size() && in[i].key() == at_->pair && !state_->removed.in(in[i]);
+            };
             const std::uint32_t first = at_->at - at_->rank;
             if (is_here(at_->at) && is_here(first) && (first == 0 || !is_here(first - 1))) return &in[at_->at];
             const std::uint32_t i = first_contact(in, at_->pair) + at_->rank;

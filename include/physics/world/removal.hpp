@@ -19,6 +19,20 @@ void drop_contacts(world_data<Plan>& s, Gone&& gone) {
     s.step.contacts_of.is_stale = true;
 }
 
+/// Forgets the contacts of a body's shapes, or of one of them only unless that is no_shape, as the next step begins; to
+/// all they are gone at once. What may fail comes before anything is changed.
+template <class Plan>
+void remove_contacts(world_data<Plan>& s, std::uint32_t body, std::uint32_t shape) {
+    if constexpr (Plan::events::contacts)
+        each_contact(s, body, [&](const auto& in, std::uint32_t at) {
+            if (shape == no_shape || in[at].shape_a == shape || in[at].shape_b == shape)
+                note_dropped<Plan>(in[at], s.bodies, s.shapes, s.dropped.list);
+        });
+    s.removed.make_room(s.shapes.slots());
+    if (shape != no_shape) s.removed.add(shape);
+    else each_shape(s, body, [&](std::uint32_t i, const auto&) { s.removed.add(i); });
+}
+
 /// Takes a joint out of its bodies' lists and of its kind.
 template <class Plan>
 void erase_joint(world_data<Plan>& s, std::uint32_t index) {
@@ -50,14 +64,13 @@ void drop_sensors([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] Each&& 
 /// Removes bodies, for which each(f) calls f(body) and is_gone(body) is true.
 template <class Plan, class Each, class Gone>
 void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
-    wake_affected(s, each, is_gone);
+    wake_affected(s, each);
+    each([&](std::uint32_t body) { remove_contacts(s, body, no_shape); });
     if constexpr (Plan::has_joints)
         each([&](std::uint32_t body) {
             s.joints.each_of(body, [&](std::uint32_t i, const auto&) { erase_joint(s, i); });
         });
-    drop_contacts(s, [&](const auto& c) { return is_gone(c.bodies.body_a) || is_gone(c.bodies.body_b); });
     s.awake.is_stale = true;
-    s.memories.drop([&](std::uint32_t shape) { return is_gone(s.shapes[shape].body); });
     drop_sensors(
         s,
         [&](auto&& f) {
@@ -124,8 +137,7 @@ void destroy_shape(world_data<Plan>& s, std::uint32_t index) {
         !check_shapes_mass(s, body, "destroy_shape", index))
         return;
     wake_affected(s, body);
-    drop_contacts(s, [&](const auto& c) { return c.shape_a == index || c.shape_b == index; });
-    s.memories.drop([&](std::uint32_t shape) { return shape == index; });
+    remove_contacts(s, body, index);
     drop_sensors(
         s, [&](auto&& f) { f(index); }, [&](std::uint32_t shape) { return shape == index; });
     std::uint32_t* link = &s.bodies[body].first_shape;

@@ -12,34 +12,44 @@ template <class Plan>
 void wake(world_data<Plan>& s, std::uint32_t body) {
     if constexpr (Plan::sleeps) wake_islands(to_wake<Plan>(s, s.step), [&](auto&& f) { f(body); });
 }
-/// Bodies change, for which each(f) calls f(body) and is_one(body) is true: wakes the islands of those that are
+/// Calls f(list, i) for the contacts of a body: list[i] is one of those that can be pushed, or of those of sleepers.
+template <class Plan, class F>
+void each_contact(const world_data<Plan>& s, std::uint32_t body, F&& f) {
+    const buffer<typename Plan::contact>* asleep = nullptr;
+    if constexpr (Plan::sleeps) asleep = &s.sleep.contacts;
+    s.step.contacts_of.each(s.bodies.slots(), s.contacts, asleep, body, [&](std::uint32_t n) {
+        const bool is_asleep = n >= s.contacts.size();
+        const std::uint32_t at = is_asleep ? n - s.contacts.size() : n;
+        const auto& list = is_asleep ? *asleep : s.contacts;
+        if (!s.removed.in(list[at])) f(list, at);
+    });
+}
+/// Bodies change, for which each(f) calls f(body): wakes the islands of those that are
 /// dynamic, and of what touches others or is held to them by joints.
-template <class Plan, class Each, class IsOne>
-void wake_affected(world_data<Plan>& s, Each&& each, IsOne&& is_one) {
+template <class Plan, class Each>
+void wake_affected(world_data<Plan>& s, Each&& each) {
     if constexpr (Plan::sleeps) {
         auto& affected = s.step.near;
         affected.clear();
-        bool any_still = false;
         each([&](std::uint32_t body) {
-            if (s.bodies[body].is_dynamic()) affected.push_back(body);
-            else {
-                any_still = true;
-                each_connected(s.joints, body, [&](std::uint32_t other) { affected.push_back(other); });
+            if (s.bodies[body].is_dynamic()) {
+                affected.push_back(body);
+                return;
             }
+            const auto add = [&](std::uint32_t other) { affected.push_back(other); };
+            each_connected(s.joints, body, add);
+            if (s.sleep.contacts.empty()) return;
+            each_contact(s, body, [&](const auto& in, std::uint32_t at) {
+                if (&in == &s.sleep.contacts)
+                    add(in[at].bodies.body_a == body ? in[at].bodies.body_b : in[at].bodies.body_a);
+            });
         });
-        const auto is_still = [&](std::uint32_t body) { return is_one(body) && !s.bodies[body].is_dynamic(); };
-        if (any_still)
-            for (const auto& c : s.sleep.contacts) {
-                if (is_still(c.bodies.body_a)) affected.push_back(c.bodies.body_b);
-                if (is_still(c.bodies.body_b)) affected.push_back(c.bodies.body_a);
-            }
         wake_listed(to_wake<Plan>(s, s.step));
     }
 }
 template <class Plan>
 void wake_affected(world_data<Plan>& s, std::uint32_t body) {
-    wake_affected(
-        s, [&](auto&& f) { f(body); }, [&](std::uint32_t other) { return other == body; });
+    wake_affected(s, [&](auto&& f) { f(body); });
 }
 template <class Plan>
 void wake_near(world_data<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
