@@ -19185,6 +19185,107 @@ private:
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/broadphase/box_tail.hpp
+// =================================================================================================
+// Boxes in no order, searched eight at a time: where those wait that have just come.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Boxes of proxies in the order in which they came, in eights, and the boxes around eights of these: what came one
+/// after the other is often near each other. To add, to change and to remove one takes O(1).
+template <int D>
+class box_tail {
+public:
+    using block = box_block<D>;
+    using box = float_box<D>;
+
+    [[nodiscard]] std::uint32_t size() const { return ids_.size(); }
+    [[nodiscard]] bool empty() const { return ids_.empty(); }
+    [[nodiscard]] std::uint32_t id(std::uint32_t i) const { return ids_[i]; }
+    [[nodiscard]] const std::uint32_t* begin() const { return ids_.begin(); }
+    [[nodiscard]] const std::uint32_t* end() const { return ids_.end(); }
+    void clear() {
+        ids_.clear();
+        leaves_.clear();
+        above_.clear();
+    }
+    void push_back(std::uint32_t id, const box& b) {
+        const std::uint32_t i = ids_.size();
+        // What may fail comes first.
+        if (i % 64 == 0) add_empty(above_);
+        if (i % 8 == 0) add_empty(leaves_);
+        ids_.push_back(id);
+        set(i, b);
+    }
+    void set(std::uint32_t i, const box& b) {
+        leaves_[i / 8].set(i % 8, b);
+        box around = above_[i / 64].get(i / 8 % 8);
+        for (int k = 0; k < D; ++k) {
+            around.lower[k] = b.lower[k] < around.lower[k] ? b.lower[k] : around.lower[k];
+            around.upper[k] = b.upper[k] > around.upper[k] ? b.upper[k] : around.upper[k];
+        }
+        above_[i / 64].set(i / 8 % 8, around);
+    }
+    /// The last one takes its place; the boxes around it stay as large as they were, until they are empty.
+    void remove(std::uint32_t i) {
+        const std::uint32_t last = ids_.size() - 1;
+        if (i != last) {
+            ids_[i] = ids_[last];
+            set(i, leaves_[last / 8].get(last % 8));
+        }
+        ids_.pop_back();
+        leaves_[last / 8].clear(last % 8);
+        if (last % 8 != 0) return;
+        leaves_.pop_back();
+        above_[last / 64].clear(last / 8 % 8);
+        if (last % 64 == 0) above_.pop_back();
+    }
+
+    /// Calls visit(leaf, lanes) for each eight that has boxes within reach of the test, as packed_tree::search does.
+    template <class Test, class Visit>
+    void search(Test&& test, Visit&& visit) const {
+        for (std::uint32_t g = 0; g < above_.size(); ++g)
+            each_bit(test(above_[g]), [&](std::uint32_t lane) {
+                const std::uint32_t leaf = 8 * g + lane, lanes = test(leaves_[leaf]);
+                if (lanes != 0) visit(leaf, lanes);
+            });
+    }
+    /// Calls visit(i) for boxes within reach, as packed_tree::search_in_order does, in no order.
+    template <class Test, class Outside, class Visit>
+    void search_all(Test&& test, Outside&& outside, Visit&& visit) const {
+        for (std::uint32_t g = 0; g < above_.size(); ++g) {
+            float keys[8];
+            each_bit(test(above_[g], keys), [&](std::uint32_t lane) {
+                if (outside(keys[lane])) return;
+                const std::uint32_t leaf = 8 * g + lane;
+                float inner[8];
+                each_bit(test(leaves_[leaf], inner), [&](std::uint32_t k) {
+                    if (!outside(inner[k])) visit(leaf * 8 + k);
+                });
+            });
+        }
+    }
+
+    PHYSICS_HPP_MEMBERS(ids_, leaves_, above_)
+
+private:
+    static void add_empty(buffer<block>& blocks) {
+        block empty;
+        for (std::uint32_t lane = 0; lane < 8; ++lane) empty.clear(lane);
+        blocks.push_back(empty);
+    }
+
+    buffer<std::uint32_t> ids_;
+    buffer<block> leaves_, above_;
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/broadphase/cell_blocks.hpp
 // =================================================================================================
 // Boxes in cells, eight to a block.
@@ -20057,7 +20158,8 @@ namespace detail {
 /// Movable proxies and those that are not live in trees of their own, and each kind in two: a main tree, in which
 /// boxes that move keep their places, and a young one for what came or strayed from its neighbours, packed anew with
 /// every change. Once the main tree has grown by a fifth, or an eighth of all is young, everything goes into a new
-/// main tree. What has just come or strayed waits in a short tail, searched one by one.
+/// main tree. What has just come or strayed waits in a
+/// tail, searched eight by eight.
 template <class Space>
 class tree_index {
 public:
@@ -20070,8 +20172,7 @@ public:
     void insert(const table& all, std::uint32_t id) {
         if (id >= places_.size()) places_.resize(id + 1);
         kind& k = kinds_[all.is_movable(id)];
-        places_[id] = unsorted_place | k.unsorted.size();
-        k.unsorted.push_back(id);
+        add_unsorted(all, k, id);
         pop_unsorted(all, k);
     }
     void erase(const table& all, std::uint32_t id) { take_out(kinds_[all.is_movable(id)], id); }
@@ -20084,8 +20185,9 @@ public:
             for (std::uint32_t i = 0; i < count; ++i) {
                 const std::uint32_t id = ids[i];
                 if (!all.has(id) || all.is_movable(id) != (m == 1)) continue;
-                if (places_[id] & staging_place) move_to_unsorted(k, id);
-                else if (!(places_[id] & unsorted_place)) keys_.push_back(std::uint64_t{places_[id]} << 32 | id);
+                if (places_[id] & staging_place) move_to_unsorted(all, k, id);
+                else if (places_[id] & unsorted_place) k.unsorted.set(places_[id] & slot_mask, box_of(all, id));
+                else keys_.push_back(std::uint64_t{places_[id]} << 32 | id);
             }
             const std::uint32_t staging = k.staging.live() + k.unsorted.size(), live = k.main.live() + staging;
             if (staging > live / 8 || (k.size > max_growth * k.packed_size && !keys_.empty())) {
@@ -20221,7 +20323,12 @@ private:
                         each_bit(lanes,
                                  [&](std::uint32_t i) { on = on && visit(candidate_in(all, *t, leaf * 8 + i)); });
                     });
-            for (std::uint32_t i = 0; i < k.unsorted.size() && on; ++i) on = visit(all.candidate_at(k.unsorted[i]));
+            k.unsorted.search([&](const auto& block) { return on ? test(block) : 0u; },
+                              [&](std::uint32_t leaf, std::uint32_t lanes) {
+                                  each_bit(lanes, [&](std::uint32_t i) {
+                                      on = on && visit(all.candidate_at(k.unsorted.id(leaf * 8 + i)));
+                                  });
+                              });
         }
     }
     template <class Test, class Outside, class Visit>
@@ -20229,7 +20336,7 @@ private:
         for (const kind& k : kinds_) {
             for (const tree* t : {&k.main, &k.staging})
                 t->search_in_order(test, outside, [&](std::uint32_t slot) { visit(candidate_in(all, *t, slot)); });
-            for (const std::uint32_t id : k.unsorted) visit(all.candidate_at(id));
+            k.unsorted.search_all(test, outside, [&](std::uint32_t i) { visit(all.candidate_at(k.unsorted.id(i))); });
         }
     }
 
@@ -20240,7 +20347,7 @@ private:
 
     struct kind {
         tree main, staging;
-        buffer<std::uint32_t> unsorted;
+        box_tail<D> unsorted;
         /// The sides of the boxes around leaves of the main tree, and above: as they are, and as they were packed.
         double size = 0, packed_size = 0;
 
@@ -20253,9 +20360,8 @@ private:
     void take_out(kind& k, std::uint32_t id) {
         const std::uint32_t place = places_[id], slot = place & slot_mask;
         if (place & unsorted_place) {
-            k.unsorted[slot] = k.unsorted.back();
-            places_[k.unsorted[slot]] = place;
-            k.unsorted.pop_back();
+            places_[*(k.unsorted.end() - 1)] = place;
+            k.unsorted.remove(slot);
         } else {
             (place & staging_place ? k.staging : k.main).remove(slot);
         }
@@ -20273,17 +20379,20 @@ private:
             size += box.upper[i] - box.lower[i];
         }
         if (growth > 0.5f * size) {
-            move_to_unsorted(k, id);
+            move_to_unsorted(all, k, id);
             return;
         }
         k.main.set(p, box);
         k.main.mark(p);
         if (touched_.empty() || touched_.back() != p / 8) touched_.push_back(p / 8);
     }
-    void move_to_unsorted(kind& k, std::uint32_t id) {
+    void move_to_unsorted(const table& all, kind& k, std::uint32_t id) {
         take_out(k, id);
+        add_unsorted(all, k, id);
+    }
+    void add_unsorted(const table& all, kind& k, std::uint32_t id) {
         places_[id] = unsorted_place | k.unsorted.size();
-        k.unsorted.push_back(id);
+        k.unsorted.push_back(id, box_of(all, id));
     }
 
     void gather(const table& all, const tree& from) {
@@ -20324,7 +20433,7 @@ private:
         }
         items_.clear();
     }
-    /// Packs what waits in the tail once it is long for a search one by one; a search for pairs does so in any case.
+    /// Packs what waits in the tail once it is long for a search in no order; a search for pairs does so in any case.
     void pop_unsorted(const table& all, kind& k) {
         if (k.unsorted.size() > 64 + k.staging.live()) pack_staging(all, k);
     }

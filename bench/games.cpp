@@ -7,7 +7,7 @@
 // is the ratio to the bare one. Queries: boxes strewn over a field; rays of 20 m that find the closest, boxes that are
 // swept as far, boxes in which all is looked for, points. Box2D 2.4 has no sweeps and finds boxes of shapes only, to
 // which its own test of overlap is added; Bullet's rays and sweeps are its rayTest and convexSweepTest. Characters walk
-// on a floor of tiles with steps.
+// on a floor of tiles with steps. Bodies: those of such pyramids, each destroyed by its own call.
 #include <cstdlib>
 #include <cstring>
 #include <map>

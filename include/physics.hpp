@@ -221,6 +221,7 @@
 #include "physics/broadphase/axis_order.hpp"
 #include "physics/broadphase/block_scan.hpp"
 #include "physics/broadphase/box_block.hpp"
+#include "physics/broadphase/box_tail.hpp"
 #include "physics/broadphase/box_tests.hpp"
 #include "physics/broadphase/cell_blocks.hpp"
 #include "physics/broadphase/cell_index.hpp"

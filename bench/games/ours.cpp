@@ -40,8 +40,8 @@ row step_row(const char* what, const size& by, Begin&& begin) {
             }};
 }
 
-/// A field of boxes.
-template <int D>
+/// A field of boxes, and whether there was a step since they came.
+template <int D, bool HasStepped = true>
 struct field_of_boxes {
     using world = physics::world<plain<D>>;
     using vec = typename world::vec;
@@ -53,7 +53,7 @@ struct field_of_boxes {
         const auto all = w.create_body({.type = body_type::static_body});
         for (int i = 0; i < things; ++i)
             w.create_shape(all, typename world::box{vec::filled(0.5f)}, {.position = place()});
-        w.step(1.0f / 60);
+        if (HasStepped) w.step(1.0f / 60);
     }
     vec place() {
         vec v;
@@ -69,6 +69,27 @@ struct field_of_boxes {
 template <int D, class Ask>
 row ask_row(const char* what, const size& by, Ask&& ask) {
     return query_row<field_of_boxes<D>>(what, "ours", D, by, ask);
+}
+
+/// The bodies of a pyramid at rest go one by one.
+template <class Recipe>
+row destroy_row(const char* what, const size& by) {
+    using world = physics::world<Recipe>;
+    constexpr int D = world::dimension;
+    auto from = std::make_shared<world>(scenes::grounded<world>());
+    if constexpr (D == 2) scenes::pyramid(*from, by.rows);
+    else scenes::square_pyramid(*from, by.rows / 3);
+    for (int i = 0; i < 120; ++i) from->step(1.0f / 60);
+    return {what, "body", "ours", D, [from] {
+                world w = *from;
+                double count = 0;
+                const stopwatch clock;
+                for (const auto b : w.bodies()) {
+                    w.destroy_body(b);
+                    ++count;
+                }
+                return clock.ns() / count;
+            }};
 }
 
 template <int D>
@@ -135,6 +156,10 @@ void add_rows(const size& by, std::vector<row>& rows) {
         const auto from = f.place();
         return static_cast<bool>(f.w.cast_ray(from, f.way())) ? 1L : 0L;
     }));
+    rows.push_back(query_row<field_of_boxes<D, false>>("a ray, all boxes created just now", "ours", D, by, [](auto& f) {
+        const auto from = f.place();
+        return static_cast<bool>(f.w.cast_ray(from, f.way())) ? 1L : 0L;
+    }));
     rows.push_back(ask_row<D>("closest hit of a swept box", by, [](auto& f) {
         using world = std::remove_reference_t<decltype(f.w)>;
         const auto from = f.place();
@@ -148,6 +173,8 @@ void add_rows(const size& by, std::vector<row>& rows) {
         return found;
     }));
     rows.push_back(character_row<D>(by));
+    rows.push_back(destroy_row<plain<D>>("destroys a pyramid one by one", by));
+    rows.push_back(destroy_row<with_contacts<D>>("the same with contact events", by));
 }
 const adds rows_of_ours([](const size& by, std::vector<row>& rows) {
     add_rows<2>(by, rows);

@@ -28,12 +28,18 @@ Broadphase lived_in(crowd& c, cell::dice& dice) {
         if (step == 3) b.pairs([](std::uint32_t, std::uint32_t) { return true; });
         b.update();
     }
-    // Strangers that no update has seen.
-    for (std::uint32_t id = 500; id < 520; ++id) {
-        c.add(id, dice);
-        b.insert(id, c.members[id].box, c.members[id].filter);
-    }
-    for (const std::uint32_t gone : {3u, 505u}) {
+    const auto add = [&](std::uint32_t first, std::uint32_t end) {
+        for (std::uint32_t id = first; id < end; ++id) {
+            c.add(id, dice);
+            b.insert(id, c.members[id].box, c.members[id].filter);
+        }
+    };
+    // Strangers that have moved, few enough that a tree keeps them apart, and some that no update has seen.
+    add(500, 512);
+    for (std::uint32_t id = 500; id < 512; id += 2) c.move_one(id, dice, tell);
+    b.update();
+    add(512, 530);
+    for (const std::uint32_t gone : {3u, 505u, 529u}) {
         b.erase(gone);
         c.members.erase(gone);
     }

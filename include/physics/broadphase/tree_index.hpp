@@ -3,6 +3,7 @@
 
 #include "physics/base/sort.hpp"
 #include "physics/broadphase/arrange.hpp"
+#include "physics/broadphase/box_tail.hpp"
 #include "physics/broadphase/box_tests.hpp"
 #include "physics/broadphase/packed_tree.hpp"
 #include "physics/broadphase/proxies.hpp"
@@ -14,7 +15,8 @@ namespace detail {
 /// Movable proxies and those that are not live in trees of their own, and each kind in two: a main tree, in which
 /// boxes that move keep their places, and a young one for what came or strayed from its neighbours, packed anew with
 /// every change. Once the main tree has grown by a fifth, or an eighth of all is young, everything goes into a new
-/// main tree. What has just come or strayed waits in a short tail, searched one by one.
+/// main tree. What has just come or strayed waits in a
+/// tail, searched eight by eight.
 template <class Space>
 class tree_index {
 public:
@@ -27,8 +29,7 @@ public:
     void insert(const table& all, std::uint32_t id) {
         if (id >= places_.size()) places_.resize(id + 1);
         kind& k = kinds_[all.is_movable(id)];
-        places_[id] = unsorted_place | k.unsorted.size();
-        k.unsorted.push_back(id);
+        add_unsorted(all, k, id);
         pop_unsorted(all, k);
     }
     void erase(const table& all, std::uint32_t id) { take_out(kinds_[all.is_movable(id)], id); }
@@ -41,8 +42,9 @@ public:
             for (std::uint32_t i = 0; i < count; ++i) {
                 const std::uint32_t id = ids[i];
                 if (!all.has(id) || all.is_movable(id) != (m == 1)) continue;
-                if (places_[id] & staging_place) move_to_unsorted(k, id);
-                else if (!(places_[id] & unsorted_place)) keys_.push_back(std::uint64_t{places_[id]} << 32 | id);
+                if (places_[id] & staging_place) move_to_unsorted(all, k, id);
+                else if (places_[id] & unsorted_place) k.unsorted.set(places_[id] & slot_mask, box_of(all, id));
+                else keys_.push_back(std::uint64_t{places_[id]} << 32 | id);
             }
             const std::uint32_t staging = k.staging.live() + k.unsorted.size(), live = k.main.live() + staging;
             if (staging > live / 8 || (k.size > max_growth * k.packed_size && !keys_.empty())) {
@@ -178,7 +180,12 @@ private:
                         each_bit(lanes,
                                  [&](std::uint32_t i) { on = on && visit(candidate_in(all, *t, leaf * 8 + i)); });
                     });
-            for (std::uint32_t i = 0; i < k.unsorted.size() && on; ++i) on = visit(all.candidate_at(k.unsorted[i]));
+            k.unsorted.search([&](const auto& block) { return on ? test(block) : 0u; },
+                              [&](std::uint32_t leaf, std::uint32_t lanes) {
+                                  each_bit(lanes, [&](std::uint32_t i) {
+                                      on = on && visit(all.candidate_at(k.unsorted.id(leaf * 8 + i)));
+                                  });
+                              });
         }
     }
     template <class Test, class Outside, class Visit>
@@ -186,7 +193,7 @@ private:
         for (const kind& k : kinds_) {
             for (const tree* t : {&k.main, &k.staging})
                 t->search_in_order(test, outside, [&](std::uint32_t slot) { visit(candidate_in(all, *t, slot)); });
-            for (const std::uint32_t id : k.unsorted) visit(all.candidate_at(id));
+            k.unsorted.search_all(test, outside, [&](std::uint32_t i) { visit(all.candidate_at(k.unsorted.id(i))); });
         }
     }
 
@@ -197,7 +204,7 @@ private:
 
     struct kind {
         tree main, staging;
-        buffer<std::uint32_t> unsorted;
+        box_tail<D> unsorted;
         /// The sides of the boxes around leaves of the main tree, and above: as they are, and as they were packed.
         double size = 0, packed_size = 0;
 
@@ -210,9 +217,8 @@ private:
     void take_out(kind& k, std::uint32_t id) {
         const std::uint32_t place = places_[id], slot = place & slot_mask;
         if (place & unsorted_place) {
-            k.unsorted[slot] = k.unsorted.back();
-            places_[k.unsorted[slot]] = place;
-            k.unsorted.pop_back();
+            places_[*(k.unsorted.end() - 1)] = place;
+            k.unsorted.remove(slot);
         } else {
             (place & staging_place ? k.staging : k.main).remove(slot);
         }
@@ -230,17 +236,20 @@ private:
             size += box.upper[i] - box.lower[i];
         }
         if (growth > 0.5f * size) {
-            move_to_unsorted(k, id);
+            move_to_unsorted(all, k, id);
             return;
         }
         k.main.set(p, box);
         k.main.mark(p);
         if (touched_.empty() || touched_.back() != p / 8) touched_.push_back(p / 8);
     }
-    void move_to_unsorted(kind& k, std::uint32_t id) {
+    void move_to_unsorted(const table& all, kind& k, std::uint32_t id) {
         take_out(k, id);
+        add_unsorted(all, k, id);
+    }
+    void add_unsorted(const table& all, kind& k, std::uint32_t id) {
         places_[id] = unsorted_place | k.unsorted.size();
-        k.unsorted.push_back(id);
+        k.unsorted.push_back(id, box_of(all, id));
     }
 
     void gather(const table& all, const tree& from) {
@@ -281,7 +290,7 @@ private:
         }
         items_.clear();
     }
-    /// Packs what waits in the tail once it is long for a search one by one; a search for pairs does so in any case.
+    /// Packs what waits in the tail once it is long for a search in no order; a search for pairs does so in any case.
     void pop_unsorted(const table& all, kind& k) {
         if (k.unsorted.size() > 64 + k.staging.live()) pack_staging(all, k);
     }
