@@ -32196,6 +32196,8 @@ struct sensor {};
 struct sleep {};
 /// Bodies that a step moves.
 struct move {};
+/// Joints that come to their limits and leave them.
+struct joint_limit {};
 }  // namespace event
 
 /// Which events a world tells of: events<event::contact, event::hit>. None by default; others cost nothing.
@@ -32215,9 +32217,11 @@ public:
     static constexpr bool sensors = has<event::sensor>;
     static constexpr bool sleep = has<event::sleep>;
     static constexpr bool moves = has<event::move>;
+    static constexpr bool joint_limits = has<event::joint_limit>;
     static constexpr bool any = sizeof...(Kinds) > 0;
     static constexpr bool known =
-        (is_one_of<Kinds, event::contact, event::hit, event::sensor, event::sleep, event::move> && ...);
+        (is_one_of<Kinds, event::contact, event::hit, event::sensor, event::sleep, event::move, event::joint_limit> &&
+         ...);
 };
 
 /// When events are told of.
@@ -32271,6 +32275,18 @@ struct move_event {
     bool fell_asleep = false;
 };
 
+/// A joint that has come to a limit in the last step, or has left all of them. It comes to one as a row presses that
+/// pushes in one direction only, as the stop of a door that is pushed against it or a rope that becomes taut, and
+/// leaves it once none presses and it is farther away than a quarter of the contact margin (m, rad).
+struct joint_limit_event {
+    joint_id joint;
+    body_id body_a, body_b;
+    /// What the user had given the joint.
+    std::uint64_t user_data = 0;
+    /// True if the joint has been destroyed.
+    bool gone = false;
+};
+
 namespace detail {
 
 struct no_event_settings {};
@@ -32287,6 +32303,15 @@ struct sleep_changes {
     PHYSICS_HPP_MEMBERS(slept, woken)
 };
 struct no_changes {};
+struct no_joint_limits {};
+/// What lasts of the limits of joints.
+struct joint_limit_state {
+    /// Joints that are at one, in ascending order.
+    buffer<std::uint32_t> at_limit;
+    /// What left them by being destroyed since the last step.
+    buffer<joint_limit_event> dropped;
+    PHYSICS_HPP_MEMBERS(at_limit, dropped)
+};
 /// What lasts of sensors.
 struct sensor_state {
     /// Of each shape, and how many are.
@@ -32315,6 +32340,10 @@ struct step_events {
     buffer<sensor_event> sensor_begin, sensor_end;
     buffer<body_id> slept, woken;
     buffer<move_event> moved;
+    buffer<joint_limit_event> limit_begin, limit_end;
+    /// Joints that are at limits, and those of the step.
+    buffer<std::uint32_t> now_at_limit;
+    bit_array looked_at;
     /// Pairs that have begun to touch and not ceased to, with a body that can be pushed: those of the last step, in
     /// ascending order, unless they have to be listed anew.
     buffer<proxy_pair> touching, now_touching;
@@ -32332,6 +32361,8 @@ struct step_events {
         slept.clear();
         woken.clear();
         moved.clear();
+        limit_begin.clear();
+        limit_end.clear();
         is_stale = true;
     }
 };
@@ -32665,6 +32696,10 @@ using joints_of =
     std::conditional_t<Plan::has_joints, joint_set<typename Plan::scalar, Plan::dimension, typename Plan::joints>,
                        no_joints>;
 
+template <class Plan>
+using joint_limits_of =
+    std::conditional_t<Plan::has_joints && Plan::events::joint_limits, joint_limit_state, no_joint_limits>;
+
 /// The state of a world. Copying it copies the world.
 template <class Plan>
 struct state {
@@ -32692,13 +32727,14 @@ struct state {
     /// Shapes that touched each other until users took their contacts away since the last step.
     [[no_unique_address]] std::conditional_t<Plan::events::contacts, dropped_contacts, no_changes> dropped;
     [[no_unique_address]] std::conditional_t<Plan::events::sensors, sensor_state, no_changes> sensors;
+    [[no_unique_address]] joint_limits_of<Plan> joint_limits;
     std::uint64_t steps = 0;
     /// Lengths of the steps in which the contacts' impulses act.
     solver_api::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     unsaved<std::uint16_t> tag;
     PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
-                        removed, sleep, continuous, joints, dropped, sensors, steps, step_lengths, tag)
+                        removed, sleep, continuous, joints, dropped, sensors, joint_limits, steps, step_lengths, tag)
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
@@ -34760,6 +34796,116 @@ private:
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/step/joint_limits.hpp
+// =================================================================================================
+// Which joints are at their limits, and what a step tells of that.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Whether a joint is at a limit: a row that pushes in one direction only has done so in the last step, or has no more
+/// than this room (m, rad) and was at it before.
+template <class Joint, class S, int D, bool Rotates>
+bool is_at_limit(const stored_joint<Joint, S>& j, const body<S, D, Rotates>& a, const body<S, D, Rotates>& b,
+                 bool was_before, S room) {
+    bool any = was_before;
+    for (int k = 0; k < Joint::row_count; ++k) any = any || !(j.sum[k] == S(0));
+    if (!any) return false;
+    auto at = frames_between<Joint>(a, b);
+    at.turned = j.turned.begin();
+    row_list<S, D, Joint::row_count, has_two_directions<Joint>()> rows;
+    rows_of(j.joint, at, rows.target());
+    for (int k = 0; k < Joint::row_count; ++k) {
+        const auto& row = rows.row[k];
+        const bool is_one_sided = (row.min_force == S(0)) != (row.max_force == S(0));
+        if (!is_one_sided || row.is_motor) continue;
+        const S left = row.min_force == S(0) ? row.error : -row.error;
+        if (!(j.sum[k] == S(0)) || (was_before && left <= room)) return true;
+    }
+    return false;
+}
+
+/// The ids and the bodies of a joint, without the world's tag.
+template <class S, int D, class Joints, bool Rotates>
+joint_limit_event limit_event_of(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotates>>& bodies,
+                                 std::uint32_t number) {
+    const joint_record& record = all.records[number];
+    joint_limit_event e;
+    e.joint = {number, all.records.generation(number), 0};
+    e.body_a = {record.body_a, bodies.generation(record.body_a), 0};
+    e.body_b = {record.body_b, bodies.generation(record.body_b), 0};
+    e.user_data = record.user_data;
+    return e;
+}
+/// A joint is about to be destroyed.
+template <class S, int D, class Joints, bool Rotates>
+void drop_limit(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotates>>& bodies, std::uint32_t number,
+                joint_limit_state& limits) {
+    auto& at_limit = limits.at_limit;
+    const std::uint32_t at = count_before(at_limit, [&](std::uint32_t i) { return i < number; });
+    if (at == at_limit.size() || at_limit[at] != number) return;
+    limits.dropped.push_back(limit_event_of(all, bodies, number));
+    limits.dropped.back().gone = true;
+    for (std::uint32_t i = at + 1; i < at_limit.size(); ++i) at_limit[i - 1] = at_limit[i];
+    at_limit.pop_back();
+}
+
+/// What the joints of a step gave -> which have come to limits, and which have left them. O(joints of the step).
+template <class S, int D, class Joints, bool Rotates, class Sleep>
+void update_limits(const step_joints<S, D, Joints>& found, const joint_set<S, D, Joints>& all,
+                   const pool<body<S, D, Rotates>>& bodies, const Sleep& sleep, S room, std::uint16_t tag,
+                   joint_limit_state& limits, step_events<S, D>& to) {
+    to.limit_begin.clear();
+    to.limit_end.clear();
+    auto &before = limits.at_limit, &now = to.now_at_limit;
+    auto& is_in_step = to.looked_at;
+    now.clear();
+    is_in_step.grow(all.records.slots());
+    all.each_kind(all, [&]<class Joint>(std::uint32_t, const pool<stored_joint<Joint, S>>& of_kind) {
+        for (const auto& j : found.template of_kind<Joint>()) {
+            const auto& stored = of_kind[j.slot];
+            const joint_record& record = all.records[stored.number];
+            is_in_step.set(stored.number);
+            const std::uint32_t at = count_before(before, [&](std::uint32_t i) { return i < stored.number; });
+            const bool was_before = at < before.size() && before[at] == stored.number;
+            if (record.holds() && is_at_limit(stored, bodies[record.body_a], bodies[record.body_b], was_before, room))
+                now.push_back(stored.number);
+        }
+    });
+    // What sleeps is as it was.
+    for (const std::uint32_t i : before) {
+        const joint_record& record = all.records[i];
+        if (!is_in_step[i] && record.holds() && (sleep.is_asleep(record.body_a) || sleep.is_asleep(record.body_b)))
+            now.push_back(i);
+    }
+    is_in_step.clear();
+    const auto is_less = [](std::uint32_t a, std::uint32_t b) { return a < b; };
+    sort_in_place(now.begin(), now.size(), is_less);
+    for (std::uint32_t i = 0, k = 0; i < before.size() || k < now.size();) {
+        const bool ends = k == now.size() || (i < before.size() && before[i] < now[k]);
+        const bool begins = i == before.size() || (k < now.size() && now[k] < before[i]);
+        if (ends) to.limit_end.push_back(limit_event_of(all, bodies, before[i]));
+        if (begins) to.limit_begin.push_back(limit_event_of(all, bodies, now[k]));
+        i += !begins;
+        k += !ends;
+    }
+    before.swap(now);
+    for (const joint_limit_event& e : limits.dropped) to.limit_end.push_back(e);
+    if (!limits.dropped.empty())
+        sort_in_place(
+            to.limit_end.begin(), to.limit_end.size(),
+            [](const joint_limit_event& x, const joint_limit_event& y) { return x.joint.index < y.joint.index; });
+    limits.dropped.clear();
+    for (auto* events : {&to.limit_begin, &to.limit_end})
+        for (joint_limit_event& e : *events) e.joint.world = e.body_a.world = e.body_b.world = tag;
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/step/publish.hpp
 // =================================================================================================
 // The end of a step: what it has found becomes the world's.
@@ -36315,6 +36461,10 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     publish(s, d, moved, warm, h);
     if constexpr (Plan::events::moves) list_moved(s.bodies, s.contact_starts, s.awake, s.tag, d.events.moved);
     if constexpr (Plan::has_joints) break_joints(d.joints, s.bodies, s.joints, s.sleep);
+    // What joints gave -> which have come to limits, and left them, in d.events.
+    if constexpr (Plan::has_joints && Plan::events::joint_limits)
+        update_limits(d.joints, s.joints, s.bodies, s.sleep, s.settings.contact_margin * S(release_margin), s.tag,
+                      s.joint_limits, d.events);
     if constexpr (Plan::sweeps) s.continuous.report = sweep_report;
     if constexpr (Plan::sleeps) {
         // What was woken is awake for good, and so is what kinematic bodies are going to run into.
@@ -37984,6 +38134,7 @@ void remove_contacts(world_data<Plan>& s, std::uint32_t body, std::uint32_t shap
 /// Takes a joint out of its bodies' lists and of its kind.
 template <class Plan>
 void erase_joint(world_data<Plan>& s, std::uint32_t index) {
+    if constexpr (Plan::events::joint_limits) drop_limit(s.joints, s.bodies, index, s.joint_limits);
     const joint_record gone = s.joints.records[index];
     for (const std::uint32_t body : {gone.body_a, gone.body_b}) {
         std::uint32_t* link = &s.joints.first[body];
@@ -40062,6 +40213,16 @@ public:
     /// The joints that broke in the last step, in the order of their numbers. What has been destroyed since is no
     /// longer a joint of this world.
     [[nodiscard]] auto broken_joints() const { return detail::broken_range<Plan>(state()); }
+    /// Joints that have come to one of their limits in the last step, in the order of their numbers, and those that
+    /// have left all of theirs, been disabled or destroyed at one: each begin is followed by one end. A joint that
+    /// falls asleep at its limit stays there.
+    [[nodiscard]] const buffer<joint_limit_event>& joint_limit_begin_events() const
+        requires(Plan::events::joint_limits) {
+        return state().step.events.limit_begin;
+    }
+    [[nodiscard]] const buffer<joint_limit_event>& joint_limit_end_events() const requires(Plan::events::joint_limits) {
+        return state().step.events.limit_end;
+    }
     /// The angle of a joint that turns, over any number of turns (rad), where its bodies are; of others 0.
     [[nodiscard]] S joint_angle(joint_id id) const {
         const auto at = find(state(), id, "joint_angle");

@@ -316,6 +316,7 @@
 #include "physics/step/fall_asleep.hpp"
 #include "physics/step/find_pairs.hpp"
 #include "physics/step/integrate.hpp"
+#include "physics/step/joint_limits.hpp"
 #include "physics/step/joints.hpp"
 #include "physics/step/look_ahead.hpp"
 #include "physics/step/nearby.hpp"

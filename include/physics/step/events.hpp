@@ -24,6 +24,8 @@ struct sensor {};
 struct sleep {};
 /// Bodies that a step moves.
 struct move {};
+/// Joints that come to their limits and leave them.
+struct joint_limit {};
 }  // namespace event
 
 /// Which events a world tells of: events<event::contact, event::hit>. None by default; others cost nothing.
@@ -43,9 +45,11 @@ public:
     static constexpr bool sensors = has<event::sensor>;
     static constexpr bool sleep = has<event::sleep>;
     static constexpr bool moves = has<event::move>;
+    static constexpr bool joint_limits = has<event::joint_limit>;
     static constexpr bool any = sizeof...(Kinds) > 0;
     static constexpr bool known =
-        (is_one_of<Kinds, event::contact, event::hit, event::sensor, event::sleep, event::move> && ...);
+        (is_one_of<Kinds, event::contact, event::hit, event::sensor, event::sleep, event::move, event::joint_limit> &&
+         ...);
 };
 
 /// When events are told of.
@@ -99,6 +103,18 @@ struct move_event {
     bool fell_asleep = false;
 };
 
+/// A joint that has come to a limit in the last step, or has left all of them. It comes to one as a row presses that
+/// pushes in one direction only, as the stop of a door that is pushed against it or a rope that becomes taut, and
+/// leaves it once none presses and it is farther away than a quarter of the contact margin (m, rad).
+struct joint_limit_event {
+    joint_id joint;
+    body_id body_a, body_b;
+    /// What the user had given the joint.
+    std::uint64_t user_data = 0;
+    /// True if the joint has been destroyed.
+    bool gone = false;
+};
+
 namespace detail {
 
 struct no_event_settings {};
@@ -115,6 +131,15 @@ struct sleep_changes {
     PHYSICS_HPP_MEMBERS(slept, woken)
 };
 struct no_changes {};
+struct no_joint_limits {};
+/// What lasts of the limits of joints.
+struct joint_limit_state {
+    /// Joints that are at one, in ascending order.
+    buffer<std::uint32_t> at_limit;
+    /// What left them by being destroyed since the last step.
+    buffer<joint_limit_event> dropped;
+    PHYSICS_HPP_MEMBERS(at_limit, dropped)
+};
 /// What lasts of sensors.
 struct sensor_state {
     /// Of each shape, and how many are.
@@ -143,6 +168,10 @@ struct step_events {
     buffer<sensor_event> sensor_begin, sensor_end;
     buffer<body_id> slept, woken;
     buffer<move_event> moved;
+    buffer<joint_limit_event> limit_begin, limit_end;
+    /// Joints that are at limits, and those of the step.
+    buffer<std::uint32_t> now_at_limit;
+    bit_array looked_at;
     /// Pairs that have begun to touch and not ceased to, with a body that can be pushed: those of the last step, in
     /// ascending order, unless they have to be listed anew.
     buffer<proxy_pair> touching, now_touching;
@@ -160,6 +189,8 @@ struct step_events {
         slept.clear();
         woken.clear();
         moved.clear();
+        limit_begin.clear();
+        limit_end.clear();
         is_stale = true;
     }
 };

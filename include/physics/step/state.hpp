@@ -157,6 +157,10 @@ using joints_of =
     std::conditional_t<Plan::has_joints, joint_set<typename Plan::scalar, Plan::dimension, typename Plan::joints>,
                        no_joints>;
 
+template <class Plan>
+using joint_limits_of =
+    std::conditional_t<Plan::has_joints && Plan::events::joint_limits, joint_limit_state, no_joint_limits>;
+
 /// The state of a world. Copying it copies the world.
 template <class Plan>
 struct state {
@@ -184,13 +188,14 @@ struct state {
     /// Shapes that touched each other until users took their contacts away since the last step.
     [[no_unique_address]] std::conditional_t<Plan::events::contacts, dropped_contacts, no_changes> dropped;
     [[no_unique_address]] std::conditional_t<Plan::events::sensors, sensor_state, no_changes> sensors;
+    [[no_unique_address]] joint_limits_of<Plan> joint_limits;
     std::uint64_t steps = 0;
     /// Lengths of the steps in which the contacts' impulses act.
     solver_api::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     unsaved<std::uint16_t> tag;
     PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
-                        removed, sleep, continuous, joints, dropped, sensors, steps, step_lengths, tag)
+                        removed, sleep, continuous, joints, dropped, sensors, joint_limits, steps, step_lengths, tag)
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {

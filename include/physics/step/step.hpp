@@ -5,6 +5,7 @@
 #include "physics/step/edges.hpp"
 #include "physics/step/fall_asleep.hpp"
 #include "physics/step/find_pairs.hpp"
+#include "physics/step/joint_limits.hpp"
 #include "physics/step/publish.hpp"
 #include "physics/step/seams.hpp"
 #include "physics/step/sensor_sweep.hpp"
@@ -147,6 +148,10 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     publish(s, d, moved, warm, h);
     if constexpr (Plan::events::moves) list_moved(s.bodies, s.contact_starts, s.awake, s.tag, d.events.moved);
     if constexpr (Plan::has_joints) break_joints(d.joints, s.bodies, s.joints, s.sleep);
+    // What joints gave -> which have come to limits, and left them, in d.events.
+    if constexpr (Plan::has_joints && Plan::events::joint_limits)
+        update_limits(d.joints, s.joints, s.bodies, s.sleep, s.settings.contact_margin * S(release_margin), s.tag,
+                      s.joint_limits, d.events);
     if constexpr (Plan::sweeps) s.continuous.report = sweep_report;
     if constexpr (Plan::sleeps) {
         // What was woken is awake for good, and so is what kinematic bodies are going to run into.

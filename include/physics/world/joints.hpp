@@ -295,6 +295,16 @@ public:
     /// The joints that broke in the last step, in the order of their numbers. What has been destroyed since is no
     /// longer a joint of this world.
     [[nodiscard]] auto broken_joints() const { return detail::broken_range<Plan>(state()); }
+    /// Joints that have come to one of their limits in the last step, in the order of their numbers, and those that
+    /// have left all of theirs, been disabled or destroyed at one: each begin is followed by one end. A joint that
+    /// falls asleep at its limit stays there.
+    [[nodiscard]] const buffer<joint_limit_event>& joint_limit_begin_events() const
+        requires(Plan::events::joint_limits) {
+        return state().step.events.limit_begin;
+    }
+    [[nodiscard]] const buffer<joint_limit_event>& joint_limit_end_events() const requires(Plan::events::joint_limits) {
+        return state().step.events.limit_end;
+    }
     /// The angle of a joint that turns, over any number of turns (rad), where its bodies are; of others 0.
     [[nodiscard]] S joint_angle(joint_id id) const {
         const auto at = find(state(), id, "joint_angle");

@@ -36,6 +36,7 @@ void remove_contacts(world_data<Plan>& s, std::uint32_t body, std::uint32_t shap
 /// Takes a joint out of its bodies' lists and of its kind.
 template <class Plan>
 void erase_joint(world_data<Plan>& s, std::uint32_t index) {
+    if constexpr (Plan::events::joint_limits) drop_limit(s.joints, s.bodies, index, s.joint_limits);
     const joint_record gone = s.joints.records[index];
     for (const std::uint32_t body : {gone.body_a, gone.body_b}) {
         std::uint32_t* link = &s.joints.first[body];
