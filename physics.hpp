@@ -32317,11 +32317,13 @@ struct sensor_state {
     /// Of each shape, and how many are.
     bit_array is_sensor;
     reset_on_move<std::uint32_t> count;
+    /// Those that see static bodies too.
+    buffer<std::uint32_t> of_static;
     /// Pairs of a sensor and what is in it, in ascending order.
     buffer<proxy_pair> inside;
     /// What left by being destroyed since the last step.
     buffer<sensor_event> dropped;
-    PHYSICS_HPP_MEMBERS(is_sensor, count, inside, dropped)
+    PHYSICS_HPP_MEMBERS(is_sensor, count, of_static, inside, dropped)
 };
 
 /// A body that goes far in a step, and what it fills on its way.
@@ -32568,12 +32570,13 @@ struct shape_record {
     [[no_unique_address]] stored_material<S, D, typename Plan::features> material;
     S density{};
     collision_filter filter;
-    bool sensor = false, one_way = false;
+    bool sensor = false, senses_static = false, one_way = false;
     std::uint32_t body = 0;
     /// The body's shape of the next lower number.
     std::uint32_t next = no_shape;
     std::uint64_t user_data = 0;
-    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, filter, sensor, one_way, body, next, user_data)
+    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, filter, sensor, senses_static, one_way, body, next,
+                        user_data)
 };
 
 /// The shapes of a world. It is one of the owners of the geometry that its shapes are made of.
@@ -35550,6 +35553,9 @@ struct sensor_input {
     const shape_pool<Plan>& shapes;
     const awake_list& awake;
     const joints_of<Plan>& joints;
+    const sleep_of<Plan>& sleep;
+    const typename Plan::settings& settings;
+    const typename Plan::broadphase& broadphase;
     std::uint16_t tag;
 };
 
@@ -35603,17 +35609,37 @@ private:
             if (!a && !sensors.is_sensor[p.b]) continue;
             const proxy_pair of = a ? p : proxy_pair{p.b, p.a};
             const std::uint32_t visitor = in_.shapes[of.b].body;
-            if (in_.bodies[visitor].type == body_type::static_body) continue;
-            if constexpr (Plan::has_joints)
-                if (in_.joints.keep_apart(in_.shapes[of.a].body, visitor)) continue;
-            if (overlap(p)) now.push_back(of);
+            if (in_.bodies[visitor].type != body_type::static_body && sees(of)) now.push_back(of);
         }
+        for (const std::uint32_t i : sensors.of_static) add_static(i, now);
         for (const proxy_pair p : passed) now.push_back(p);
         sort_in_place(now.begin(), now.size(), [](proxy_pair x, proxy_pair y) { return x < y; });
         std::uint32_t kept = 0;
         for (const proxy_pair p : now)
             if (kept == 0 || !(now[kept - 1] == p)) now[kept++] = p;
         now.resize(kept);
+    }
+    /// What stands has no pairs in the broadphase.
+    PHYSICS_HPP_COLD void add_static(std::uint32_t sensor, buffer<proxy_pair>& now) {
+        const auto& from = in_.shapes[sensor];
+        if (!in_.bodies[from.body].enabled) return;
+        query_filter filter{.any_category = true};
+        filter.kinds = static_bodies;
+        each_near(
+            in_, query_bounds(in_, from), filter,
+            [&](std::uint32_t other) {
+                const auto& there = in_.shapes[other];
+                if (there.body != from.body && may_meet(from.filter, there.filter) && sees({sensor, other}))
+                    now.push_back({sensor, other});
+                return true;
+            },
+            false);
+    }
+    /// Whether what is not kept apart by joints overlaps.
+    [[nodiscard]] bool sees(proxy_pair of) {
+        if constexpr (Plan::has_joints)
+            if (in_.joints.keep_apart(in_.shapes[of.a].body, in_.shapes[of.b].body)) return false;
+        return overlap(of);
     }
     [[nodiscard]] bool overlap(proxy_pair pair) {
         const proxy_pair p = in_order_of_kinds(in_.shapes, pair);
@@ -35626,7 +35652,8 @@ private:
                 if (!(m.points[k].separation > S(0))) return true;
         return false;
     }
-    /// Pairs of what stands and what sleeps are not among those of the broadphase.
+    /// Pairs of what stands and what sleeps are not among those of the broadphase; static visitors are always looked
+    /// for.
     [[nodiscard]] bool rests(proxy_pair p) const {
         const std::uint32_t a = in_.shapes[p.a].body, b = in_.shapes[p.b].body;
         return !in_.awake.has(a) && !in_.awake.has(b) && in_.bodies[b].type != body_type::static_body;
@@ -36359,7 +36386,7 @@ void update_sensors(state<Plan>& s, step_data<Plan>& d, [[maybe_unused]] typenam
                             s.settings, s.contact_starts},
                            h)
             .run(s.sensors, d.events.far, d.events.passed);
-    const sensor_input<Plan> in{s.bodies, s.shapes, s.awake, s.joints, s.tag};
+    const sensor_input<Plan> in{s.bodies, s.shapes, s.awake, s.joints, s.sleep, s.settings, s.broadphase, s.tag};
     // The next step has less to search for.
     const auto& pairs = find_pairs<Plan>(s.bodies, s.shapes, s.sleep, s.sensors, s.broadphase, d.scratch);
     sensor_update<Plan>(in, d.manifolds[0]).run(pairs, s.sensors, d.events);
@@ -36579,6 +36606,8 @@ struct shape_def {
     collision_filter filter = {};
     /// True if it stops nothing and has no mass, but tells what is in it, in recipes that name event::sensor.
     bool sensor = false;
+    /// True of a sensor that sees the shapes of static bodies too: it searches for them in each step.
+    bool senses_static = false;
     /// True if it holds only what comes from its upper side, the y axis of its frame, in recipes that name
     /// one_way_platforms or another contact rule that asks for it.
     bool one_way = false;
@@ -36590,7 +36619,7 @@ struct shape_def<S, D, false> {
     physics::rotation<S, D> rotation = {};
     S density = S(1);
     collision_filter filter = {};
-    bool sensor = false, one_way = false;
+    bool sensor = false, senses_static = false, one_way = false;
     std::uint64_t user_data = 0;
 };
 
@@ -38156,6 +38185,12 @@ void drop_sensors([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] Each&& 
             if (!s.sensors.is_sensor[shape]) return;
             s.sensors.is_sensor.clear(shape);
             s.sensors.count = s.sensors.count - 1;
+            auto& list = s.sensors.of_static;
+            for (std::uint32_t i = 0; i < list.size() && s.shapes[shape].senses_static; ++i) {
+                if (list[i] != shape) continue;
+                list[i] = list.back();
+                list.pop_back();
+            }
         });
     }
 }
@@ -38305,6 +38340,10 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
         refuse(f, "sensor", "true", "the recipe does not name event::sensor");
         return {};
     }
+    if (def.senses_static && !def.sensor) {
+        refuse(f, "senses_static", "true", "only sensors may");
+        return {};
+    }
     if (!Plan::has_contact_rule && def.one_way) {
         refuse(f, "one_way", "true", "the recipe names no contact rule, such as one_way_platforms");
         return {};
@@ -38322,6 +38361,7 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     record.density = def.density;
     record.filter = def.filter;
     record.sensor = def.sensor;
+    record.senses_static = def.senses_static;
     record.one_way = def.one_way;
     record.body = body;
     record.user_data = def.user_data;
@@ -38339,6 +38379,7 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
         if (def.sensor) {
             s.sensors.is_sensor.set(place.index);
             s.sensors.count = s.sensors.count + 1;
+            if (def.senses_static) s.sensors.of_static.push_back(place.index);
         }
     }
     std::uint32_t* link = &s.bodies[body].first_shape;
@@ -38823,7 +38864,7 @@ public:
     template <class Plan>
     void add(const shape_record<Plan>& s) {
         add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body | std::uint64_t{s.sensor} << 63 |
-            std::uint64_t{s.one_way} << 62);
+            std::uint64_t{s.one_way} << 62 | std::uint64_t{s.senses_static} << 61);
         add(s.local);
         const auto material = s.material.whole();
         add(material.friction);
@@ -39731,13 +39772,19 @@ public:
         return data().step.events.hits;
     }
     /// Whether a shape is a sensor: it has no mass, stops nothing and is seen by no query unless that asks for sensors.
-    /// Shapes of dynamic and kinematic bodies are in it that are no sensors, which its filter meets, and whose surface
-    /// or inside, of concave ones the surface, overlaps it. It tells of poses at the end of the step, whoever sleeps;
-    /// in recipes that sweep also of what passes through it within the step, which leaves it in the next one, unless
-    /// one of the two is a surface. To change a static one wakes what sleeps there.
+    /// Shapes of dynamic and kinematic bodies, and of static ones if it senses_static, are in it that are no sensors,
+    /// which its filter meets, and whose surface or inside, of concave ones the surface, overlaps it. It tells of poses
+    /// at the end of the step, whoever sleeps; in recipes that sweep also of what passes through it within the step,
+    /// which leaves it in the next one, unless one of the two is a surface. To change a static one wakes what sleeps
+    /// there.
     [[nodiscard]] bool is_sensor(shape_id id) const {
         const detail::lookup at = detail::find_shape(data(), id, "is_sensor");
         return at && data().shapes[at.index].sensor;
+    }
+    /// Whether a sensor sees the shapes of static bodies too, as they stand at the end of each step.
+    [[nodiscard]] bool senses_static(shape_id id) const {
+        const detail::lookup at = detail::find_shape(data(), id, "senses_static");
+        return at && data().shapes[at.index].senses_static;
     }
     /// Whether a shape holds only what comes from its upper side (see one_way_platforms).
     [[nodiscard]] bool is_one_way(shape_id id) const {

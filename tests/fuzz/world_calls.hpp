@@ -122,6 +122,7 @@ private:
         def.material = v.material();
         def.filter = v.filter();
         def.sensor = v.rarely(4);
+        def.senses_static = def.sensor && v.rarely(3);
         def.user_data = next_data++;
         v.shape([&](const auto& shape) { create(b, shape, def); });
     }
@@ -369,7 +370,7 @@ std::vector<std::uint64_t> play(input in) {
 }
 
 using all_events = physics::events<physics::event::contact, physics::event::hit, physics::event::sensor,
-                                   physics::event::sleep, physics::event::move>;
+                                   physics::event::sleep, physics::event::move, physics::event::joint_limit>;
 using all_shapes = physics::shapes<physics::ball, physics::capsule, physics::box, physics::halfspace, physics::hull>;
 
 template <class S, int D>

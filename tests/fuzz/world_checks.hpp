@@ -81,8 +81,16 @@ template <class World>
 struct listener {
     std::map<shape_pair, std::pair<std::uint64_t, std::uint64_t>> touching, inside;
     std::set<body_id> asleep;
+    std::map<joint_id, std::uint64_t> at_limits;
 
     void hear(const World& w) {
+        for (const auto& e : w.joint_limit_end_events()) {
+            FUZZ_REQUIRE(e.gone == !w.contains(e.joint) && at_limits.erase(e.joint) == 1);
+        }
+        for (const auto& e : w.joint_limit_begin_events()) {
+            FUZZ_REQUIRE(w.body_a(e.joint) == e.body_a && w.user_data(e.joint) == e.user_data && !e.gone);
+            FUZZ_REQUIRE(at_limits.try_emplace(e.joint, e.user_data).second);
+        }
         end(w, w.contact_end_events(), touching, [](const auto& e) {
             FUZZ_REQUIRE(e.shape_a.index < e.shape_b.index);
             return std::tuple(e.shape_a, e.shape_b, e.shape_data_a, e.body_data_b);
@@ -240,7 +248,8 @@ void check_sensors(const World& w) {
         const body_id b = w.body(sensor);
         for (const shape_id s : all) {
             const bool sees = !w.is_sensor(s) && w.body(s) != b && may_meet(w.filter(sensor), w.filter(s)) &&
-                              w.type(w.body(s)) != body_type::static_body && w.enabled(b) && w.enabled(w.body(s));
+                              (w.senses_static(sensor) || w.type(w.body(s)) != body_type::static_body) &&
+                              w.enabled(b) && w.enabled(w.body(s));
             if (!sees) FUZZ_REQUIRE(in.count(s) == 0);
             // Whether a joint keeps its bodies apart is not asked for.
             if (!sees || apart.count(std::minmax(b, w.body(s)))) continue;

@@ -52,6 +52,8 @@ struct listener {
     }
 };
 
+inline double spin_of(S w) { return std::abs(number(w)); }
+inline double spin_of(const physics::vec<S, 3>& w) { return number(length(w)); }
 double distance(const world& w, shape_id a, shape_id b) {
     const auto at_a = w.pose(w.body(a)) * w.local_pose(a), at_b = w.pose(w.body(b)) * w.local_pose(b);
     const auto of_a = w.shape(a), of_b = w.shape(b);
@@ -71,7 +73,7 @@ bool should_see(const world& w, shape_id sensor, shape_id visitor) {
         a.group != 0 && a.group == b.group ? a.group > 0 : (a.category & b.mask) != 0 && (b.category & a.mask) != 0;
     const bool both = w.enabled(w.body(sensor)) && w.enabled(w.body(visitor));
     return both && meets && w.is_sensor(sensor) && !w.is_sensor(visitor) && w.body(sensor) != w.body(visitor) &&
-           w.type(w.body(visitor)) != body_type::static_body;
+           (w.senses_static(sensor) || w.type(w.body(visitor)) != body_type::static_body);
 }
 
 /// Balls and boxes of all types, on a floor or in free space, every other one with a sensor.
@@ -88,9 +90,11 @@ struct crowd {
     }
     void add_shape(body_id b, cell::dice& dice) {
         const vec local = dice.vec<vec>(-0.25, 0.25);
+        const bool sensor = dice.below(2) == 0;
         const world::shape_def def{.position = local,
                                    .filter = {.mask = dice.below(8) ? 1u : 2u, .group = dice.below(8) ? 0 : 1},
-                                   .sensor = dice.below(2) == 0,
+                                   .sensor = sensor,
+                                   .senses_static = sensor && dice.below(2) == 0,
                                    .user_data = next_data++};
         if (dice.below(2)) w.create_shape(b, world::ball{S(dice.number(0.2, 0.7))}, def);
         else w.create_shape(b, world::box{vec::filled(S(dice.number(0.2, 0.6)))}, def);
@@ -142,7 +146,11 @@ struct crowd {
         for (const body_id b : w.bodies()) before[b] = w.position(b);
         w.step(S(1.0 / 64));
         told.hear(w);
-        const auto goes = [&](shape_id s) { return number(length(w.position(w.body(s)) - before[w.body(s)])); };
+        // No shape reaches farther than 1.3 m from where its body turns.
+        const auto goes = [&](shape_id s) {
+            const body_id b = w.body(s);
+            return number(length(w.position(b) - before[b])) + 1.3 / 64 * spin_of(w.angular_velocity(b));
+        };
         std::vector<shape_id> all;
         for (const body_id b : w.bodies())
             for (const shape_id s : w.shapes(b)) all.push_back(s);

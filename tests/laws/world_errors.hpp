@@ -80,6 +80,7 @@ const entry<shape_id> shape_entries[] = {
     {"touching", [](world& w, shape_id s) { (void)w.touching(s, s); }},
     {"is_sensor", [](world& w, shape_id s) { (void)w.is_sensor(s); }},
     {"is_one_way", [](world& w, shape_id s) { (void)w.is_one_way(s); }},
+    {"senses_static", [](world& w, shape_id s) { (void)w.senses_static(s); }},
     {"user_data", [](world& w, shape_id s) { (void)w.user_data(s); }},
     {"set_user_data", [](world& w, shape_id s) { w.set_user_data(s, 1); }},
 };

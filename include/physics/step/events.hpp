@@ -145,11 +145,13 @@ struct sensor_state {
     /// Of each shape, and how many are.
     bit_array is_sensor;
     reset_on_move<std::uint32_t> count;
+    /// Those that see static bodies too.
+    buffer<std::uint32_t> of_static;
     /// Pairs of a sensor and what is in it, in ascending order.
     buffer<proxy_pair> inside;
     /// What left by being destroyed since the last step.
     buffer<sensor_event> dropped;
-    PHYSICS_HPP_MEMBERS(is_sensor, count, inside, dropped)
+    PHYSICS_HPP_MEMBERS(is_sensor, count, of_static, inside, dropped)
 };
 
 /// A body that goes far in a step, and what it fills on its way.

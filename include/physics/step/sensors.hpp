@@ -4,6 +4,7 @@
 #include "physics/base/sort.hpp"
 #include "physics/step/collide.hpp"
 #include "physics/step/find_pairs.hpp"
+#include "physics/step/nearby.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -70,6 +71,9 @@ struct sensor_input {
     const shape_pool<Plan>& shapes;
     const awake_list& awake;
     const joints_of<Plan>& joints;
+    const sleep_of<Plan>& sleep;
+    const typename Plan::settings& settings;
+    const typename Plan::broadphase& broadphase;
     std::uint16_t tag;
 };
 
@@ -123,17 +127,37 @@ private:
             if (!a && !sensors.is_sensor[p.b]) continue;
             const proxy_pair of = a ? p : proxy_pair{p.b, p.a};
             const std::uint32_t visitor = in_.shapes[of.b].body;
-            if (in_.bodies[visitor].type == body_type::static_body) continue;
-            if constexpr (Plan::has_joints)
-                if (in_.joints.keep_apart(in_.shapes[of.a].body, visitor)) continue;
-            if (overlap(p)) now.push_back(of);
+            if (in_.bodies[visitor].type != body_type::static_body && sees(of)) now.push_back(of);
         }
+        for (const std::uint32_t i : sensors.of_static) add_static(i, now);
         for (const proxy_pair p : passed) now.push_back(p);
         sort_in_place(now.begin(), now.size(), [](proxy_pair x, proxy_pair y) { return x < y; });
         std::uint32_t kept = 0;
         for (const proxy_pair p : now)
             if (kept == 0 || !(now[kept - 1] == p)) now[kept++] = p;
         now.resize(kept);
+    }
+    /// What stands has no pairs in the broadphase.
+    PHYSICS_HPP_COLD void add_static(std::uint32_t sensor, buffer<proxy_pair>& now) {
+        const auto& from = in_.shapes[sensor];
+        if (!in_.bodies[from.body].enabled) return;
+        query_filter filter{.any_category = true};
+        filter.kinds = static_bodies;
+        each_near(
+            in_, query_bounds(in_, from), filter,
+            [&](std::uint32_t other) {
+                const auto& there = in_.shapes[other];
+                if (there.body != from.body && may_meet(from.filter, there.filter) && sees({sensor, other}))
+                    now.push_back({sensor, other});
+                return true;
+            },
+            false);
+    }
+    /// Whether what is not kept apart by joints overlaps.
+    [[nodiscard]] bool sees(proxy_pair of) {
+        if constexpr (Plan::has_joints)
+            if (in_.joints.keep_apart(in_.shapes[of.a].body, in_.shapes[of.b].body)) return false;
+        return overlap(of);
     }
     [[nodiscard]] bool overlap(proxy_pair pair) {
         const proxy_pair p = in_order_of_kinds(in_.shapes, pair);
@@ -146,7 +170,8 @@ private:
                 if (!(m.points[k].separation > S(0))) return true;
         return false;
     }
-    /// Pairs of what stands and what sleeps are not among those of the broadphase.
+    /// Pairs of what stands and what sleeps are not among those of the broadphase; static visitors are always looked
+    /// for.
     [[nodiscard]] bool rests(proxy_pair p) const {
         const std::uint32_t a = in_.shapes[p.a].body, b = in_.shapes[p.b].body;
         return !in_.awake.has(a) && !in_.awake.has(b) && in_.bodies[b].type != body_type::static_body;

@@ -29,12 +29,13 @@ struct shape_record {
     [[no_unique_address]] stored_material<S, D, typename Plan::features> material;
     S density{};
     collision_filter filter;
-    bool sensor = false, one_way = false;
+    bool sensor = false, senses_static = false, one_way = false;
     std::uint32_t body = 0;
     /// The body's shape of the next lower number.
     std::uint32_t next = no_shape;
     std::uint64_t user_data = 0;
-    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, filter, sensor, one_way, body, next, user_data)
+    PHYSICS_HPP_MEMBERS(shape, local, pose, r, material, density, filter, sensor, senses_static, one_way, body, next,
+                        user_data)
 };
 
 /// The shapes of a world. It is one of the owners of the geometry that its shapes are made of.

@@ -46,7 +46,7 @@ void update_sensors(state<Plan>& s, step_data<Plan>& d, [[maybe_unused]] typenam
                             s.settings, s.contact_starts},
                            h)
             .run(s.sensors, d.events.far, d.events.passed);
-    const sensor_input<Plan> in{s.bodies, s.shapes, s.awake, s.joints, s.tag};
+    const sensor_input<Plan> in{s.bodies, s.shapes, s.awake, s.joints, s.sleep, s.settings, s.broadphase, s.tag};
     // The next step has less to search for.
     const auto& pairs = find_pairs<Plan>(s.bodies, s.shapes, s.sleep, s.sensors, s.broadphase, d.scratch);
     sensor_update<Plan>(in, d.manifolds[0]).run(pairs, s.sensors, d.events);

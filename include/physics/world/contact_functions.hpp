@@ -56,13 +56,19 @@ public:
         return data().step.events.hits;
     }
     /// Whether a shape is a sensor: it has no mass, stops nothing and is seen by no query unless that asks for sensors.
-    /// Shapes of dynamic and kinematic bodies are in it that are no sensors, which its filter meets, and whose surface
-    /// or inside, of concave ones the surface, overlaps it. It tells of poses at the end of the step, whoever sleeps;
-    /// in recipes that sweep also of what passes through it within the step, which leaves it in the next one, unless
-    /// one of the two is a surface. To change a static one wakes what sleeps there.
+    /// Shapes of dynamic and kinematic bodies, and of static ones if it senses_static, are in it that are no sensors,
+    /// which its filter meets, and whose surface or inside, of concave ones the surface, overlaps it. It tells of poses
+    /// at the end of the step, whoever sleeps; in recipes that sweep also of what passes through it within the step,
+    /// which leaves it in the next one, unless one of the two is a surface. To change a static one wakes what sleeps
+    /// there.
     [[nodiscard]] bool is_sensor(shape_id id) const {
         const detail::lookup at = detail::find_shape(data(), id, "is_sensor");
         return at && data().shapes[at.index].sensor;
+    }
+    /// Whether a sensor sees the shapes of static bodies too, as they stand at the end of each step.
+    [[nodiscard]] bool senses_static(shape_id id) const {
+        const detail::lookup at = detail::find_shape(data(), id, "senses_static");
+        return at && data().shapes[at.index].senses_static;
     }
     /// Whether a shape holds only what comes from its upper side (see one_way_platforms).
     [[nodiscard]] bool is_one_way(shape_id id) const {

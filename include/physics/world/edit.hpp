@@ -52,6 +52,10 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
         refuse(f, "sensor", "true", "the recipe does not name event::sensor");
         return {};
     }
+    if (def.senses_static && !def.sensor) {
+        refuse(f, "senses_static", "true", "only sensors may");
+        return {};
+    }
     if (!Plan::has_contact_rule && def.one_way) {
         refuse(f, "one_way", "true", "the recipe names no contact rule, such as one_way_platforms");
         return {};
@@ -69,6 +73,7 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     record.density = def.density;
     record.filter = def.filter;
     record.sensor = def.sensor;
+    record.senses_static = def.senses_static;
     record.one_way = def.one_way;
     record.body = body;
     record.user_data = def.user_data;
@@ -86,6 +91,7 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
         if (def.sensor) {
             s.sensors.is_sensor.set(place.index);
             s.sensors.count = s.sensors.count + 1;
+            if (def.senses_static) s.sensors.of_static.push_back(place.index);
         }
     }
     std::uint32_t* link = &s.bodies[body].first_shape;

@@ -68,7 +68,7 @@ public:
     template <class Plan>
     void add(const shape_record<Plan>& s) {
         add(static_cast<std::uint64_t>(s.shape.kind()) << 32 | s.body | std::uint64_t{s.sensor} << 63 |
-            std::uint64_t{s.one_way} << 62);
+            std::uint64_t{s.one_way} << 62 | std::uint64_t{s.senses_static} << 61);
         add(s.local);
         const auto material = s.material.whole();
         add(material.friction);

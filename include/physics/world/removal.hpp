@@ -58,6 +58,12 @@ void drop_sensors([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] Each&& 
             if (!s.sensors.is_sensor[shape]) return;
             s.sensors.is_sensor.clear(shape);
             s.sensors.count = s.sensors.count - 1;
+            auto& list = s.sensors.of_static;
+            for (std::uint32_t i = 0; i < list.size() && s.shapes[shape].senses_static; ++i) {
+                if (list[i] != shape) continue;
+                list[i] = list.back();
+                list.pop_back();
+            }
         });
     }
 }

@@ -88,6 +88,8 @@ struct shape_def {
     collision_filter filter = {};
     /// True if it stops nothing and has no mass, but tells what is in it, in recipes that name event::sensor.
     bool sensor = false;
+    /// True of a sensor that sees the shapes of static bodies too: it searches for them in each step.
+    bool senses_static = false;
     /// True if it holds only what comes from its upper side, the y axis of its frame, in recipes that name
     /// one_way_platforms or another contact rule that asks for it.
     bool one_way = false;
@@ -99,7 +101,7 @@ struct shape_def<S, D, false> {
     physics::rotation<S, D> rotation = {};
     S density = S(1);
     collision_filter filter = {};
-    bool sensor = false, one_way = false;
+    bool sensor = false, senses_static = false, one_way = false;
     std::uint64_t user_data = 0;
 };
 
