@@ -39163,8 +39163,17 @@ bool check_filter(const state<Plan>& s, const char* function, const query_filter
 }
 template <class S, int D>
 bool check_translation(const char* function, const char* from, vec<S, D> origin, vec<S, D> translation) {
-    return check_finite(function, from, origin) && check_finite(function, "translation", translation) &&
-           check_finite(function, "end of the way", origin + translation);
+    if (!check_finite(function, from, origin) || !check_finite(function, "translation", translation)) return false;
+    const vec<S, D> end = origin + translation;
+    // In fixed point a sum beyond the range comes out on the other side.
+    if constexpr (!std::is_floating_point_v<S>)
+        for (int i = 0; i < D; ++i) {
+            const char component[] = {'.', "xyz"[i], '\0'};
+            if (translation[i] > S(0) ? end[i] < origin[i] : end[i] > origin[i])
+                return refuse(function, "end of the way", component, to_double(origin[i]) + to_double(translation[i]),
+                              "it must lie within the scalar's range");
+        }
+    return check_finite(function, "end of the way", end);
 }
 
 /// Calls visit(hit) for shapes that a ray meets, in any order; it must not change the world. visit returns the fraction
@@ -39212,21 +39221,30 @@ closest_points<S, D> separation_within(const A& a, const B& b, const transform<S
     else return separation(a, b, b_in_a);
 }
 
+template <class S, int D>
+vec<S, D> middle_of(const aabb<S, D>& box) {
+    return box.lower + (box.upper - box.lower) * S(0.5);
+}
+template <class Plan, class Shape>
+bool check_cast(const state<Plan>& s, const char* f, const Shape& shape,
+                const transform<typename Plan::scalar, Plan::dimension>& pose,
+                vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter) {
+    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation) ||
+        !check_translation(f, "position", pose.position, translation) || !check_filter(s, f, filter))
+        return false;
+    const auto box = bounds(shape, pose);
+    return check_extent(f, box) && check_translation(f, "middle", middle_of(box), translation);
+}
 template <class Plan, class Shape>
 world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
     const state<Plan>& s, const Shape& shape, const transform<typename Plan::scalar, Plan::dimension>& pose,
     vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const char* f = "cast_shape";
     world_hit<S, D> first;
-    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation) ||
-        !check_translation(f, "position", pose.position, translation) || !check_filter(s, f, filter))
-        return first;
+    if (!check_cast(s, "cast_shape", shape, pose, translation, filter)) return first;
     const aabb<S, D> box = bounds(shape, pose);
-    if (!check_extent(f, box)) return first;
-    const vec<S, D> middle = box.lower + (box.upper - box.lower) * S(0.5);
-    each_on(s, {middle, translation, (box.upper - box.lower) * S(0.5)}, filter, [&](std::uint32_t i) {
+    each_on(s, {middle_of(box), translation, (box.upper - box.lower) * S(0.5)}, filter, [&](std::uint32_t i) {
         const transform<S, D> at = s.shapes[i].pose;
         s.shapes[i].shape.visit([&](const auto& other) {
             const auto hit = cast_shape(other, shape, relative(at, pose), inverse_rotate(at.rotation, translation));
@@ -40329,6 +40347,73 @@ public:
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/world/query_batches.hpp
+// =================================================================================================
+// Many rays or casts at once, on one thread or on several.
+
+PHYSICS_HPP_BEGIN
+
+/// One of many rays, see world::cast_rays: along a translation from a point (m).
+template <class S, int D>
+struct ray_query {
+    vec<S, D> origin{}, translation{};
+    query_filter filter{};
+};
+/// One of many casts of a shape, see world::cast_shapes: along a translation from a pose (m), without turning.
+template <class S, int D>
+struct shape_query {
+    transform<S, D> pose{};
+    vec<S, D> translation{};
+    query_filter filter{};
+};
+
+namespace detail {
+
+/// Calls cast(query) for each of the queries, which have been checked, and writes what it gives to the hits.
+template <class Query, class Hit, class Cast>
+void run_batch(const char* function, const Query* queries, std::uint32_t count, Hit* hits, task_runner tasks,
+               Cast&& cast) {
+    // So few that no worker waits long for the last, and none is dear to hand over.
+    constexpr std::uint32_t share = 64;
+    tasks.parallel_chunks(count, share, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
+        for (std::uint32_t i = first; i < end; ++i) hits[i] = cast(queries[i]);
+    });
+    if (!tasks.ran_all_tasks())
+        refuse(function, "executor", "left parts out, or did parts twice", "it must call each once");
+}
+/// Calls f(queries, count, hits) if the lists are long enough and check(query) is true of each query.
+template <class Queries, class Hits, class Check, class F>
+void with_batch(const char* function, const Queries& queries, Hits& hits, Check&& check, F&& f) {
+    const auto size = queries.size(), room = hits.size();
+    if (!(size < 0xffffffffu)) {
+        refuse(function, "queries", static_cast<double>(size), "there may be 4,294,967,294 at most");
+        return;
+    }
+    if (room < size) {
+        refuse(function, "hits", static_cast<double>(room), "there must be one for each query");
+        return;
+    }
+    const auto* const first = queries.data();
+    const auto count = static_cast<std::uint32_t>(size);
+    for (std::uint32_t i = 0; i < count; ++i)
+        if (!check(first[i])) return;
+    f(first, count, hits.data());
+}
+/// Calls f(tasks) with what runs them by an executor.
+template <class Executor, class F>
+void with_tasks(const char* function, Executor& by, F&& f) {
+    buffer<unsigned char> done;
+    per_worker<arena> scratch;
+    const task_runner tasks(by, done, scratch);
+    if (tasks.workers() == 0) refuse(function, "executor", "without workers", "it must have one at least");
+    else f(tasks);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/world/query_functions.hpp
 // =================================================================================================
 // What users ask a world for.
@@ -40398,7 +40483,54 @@ public:
         return detail::world_code<Plan>::closest_shape(state(), point, reach, filter);
     }
 
+    /// Many rays: writes what each meets first to hits, in their order, as cast_ray gives it. Both are arrays with
+    /// data() and size(): of ray_query, and of as many world_hit at least. Refused as a whole, with nothing written,
+    /// where one is. With an executor, such as a thread_pool, it shares them out; the world must not change meanwhile.
+    template <class Rays, class Hits>
+    void cast_rays(const Rays& rays, Hits&& hits) const {
+        cast_rays_by({}, rays, hits);
+    }
+    template <class Rays, class Hits, executor Executor>
+    void cast_rays(const Rays& rays, Hits&& hits, Executor& by) const {
+        detail::with_tasks("cast_rays", by, [&](const auto& tasks) { cast_rays_by(tasks, rays, hits); });
+    }
+    /// The same for many casts of one shape: of shape_query.
+    template <class Shape, class Casts, class Hits>
+    void cast_shapes(const Shape& shape, const Casts& casts, Hits&& hits) const {
+        cast_shapes_by({}, shape, casts, hits);
+    }
+    template <class Shape, class Casts, class Hits, executor Executor>
+    void cast_shapes(const Shape& shape, const Casts& casts, Hits&& hits, Executor& by) const {
+        detail::with_tasks("cast_shapes", by, [&](const auto& tasks) { cast_shapes_by(tasks, shape, casts, hits); });
+    }
+
 private:
+    template <class Rays, class Hits>
+    void cast_rays_by(const detail::task_runner& tasks, const Rays& rays, Hits& hits) const {
+        const char* f = "cast_rays";
+        const auto check = [&](const ray_query<S, D>& r) {
+            return detail::scoped([&] { return detail::check_translation(f, "origin", r.origin, r.translation); }) &&
+                   detail::check_filter(state(), f, r.filter);
+        };
+        detail::with_batch(f, rays, hits, check, [&](const auto* all, std::uint32_t count, auto* to) {
+            detail::run_batch(f, all, count, to, tasks, [&](const ray_query<S, D>& r) {
+                return detail::world_code<Plan>::cast_ray(state(), r.origin, r.translation, r.filter);
+            });
+        });
+    }
+    template <class Shape, class Casts, class Hits>
+    void cast_shapes_by(const detail::task_runner& tasks, const Shape& shape, const Casts& casts, Hits& hits) const {
+        const char* f = "cast_shapes";
+        const auto may_cast = [&](const shape_query<S, D>& c) {
+            return detail::scoped(
+                [&] { return detail::check_cast(state(), f, shape, c.pose, c.translation, c.filter); });
+        };
+        detail::with_batch(f, casts, hits, may_cast, [&](const auto* all, std::uint32_t count, auto* to) {
+            detail::run_batch(f, all, count, to, tasks, [&](const shape_query<S, D>& c) {
+                return cast_shape(shape, c.pose, c.translation, c.filter);
+            });
+        });
+    }
     const auto& state() const { return detail::world_access::state_of(static_cast<const World&>(*this)); }
 };
 
@@ -40650,6 +40782,8 @@ public:
     using joint_list = typename plan::joints;
     using world_hit = physics::world_hit<scalar, dimension>;
     using closest_hit = physics::closest_hit<scalar, dimension>;
+    using ray_query = physics::ray_query<scalar, dimension>;
+    using shape_query = physics::shape_query<scalar, dimension>;
     using shape_contact = physics::shape_contact<scalar, dimension>;
     using of_joints::contains, of_joints::user_data, of_joints::set_user_data;
 

@@ -349,6 +349,7 @@
 #include "physics/world/joints.hpp"
 #include "physics/world/mass.hpp"
 #include "physics/world/queries.hpp"
+#include "physics/world/query_batches.hpp"
 #include "physics/world/query_functions.hpp"
 #include "physics/world/ranges.hpp"
 #include "physics/world/recipe.hpp"

@@ -22,7 +22,7 @@ BEFORE = {
     "void mark(physics::shape_id);\n"
     "void use() {{\n{block}\n(void)sweep;\n(void)nearest;\n}}\n",
     "struct level ": "#include <physics.hpp>\nvoid mark(...);\nvoid use() {{\n{block}\n(void)grounded;\n}}\n",
-    "struct tour": "#include <physics.hpp>\nvoid mark(...);\nvoid use() {{\n{block}\n}}\n",
+    "struct tour": "#include <physics.hpp>\n#include <vector>\nvoid mark(...);\nvoid use() {{\n{block}\n}}\n",
     "struct platformer": "#include <physics.hpp>\nvoid use() {{\n{block}\n}}\n",
     "struct ": "#include <physics.hpp>\n{block}",
     "physics::dynamic_tree": "#include <physics.hpp>\nvoid meet(std::uint32_t, std::uint32_t);\n"

@@ -222,5 +222,83 @@ CELL_CASE("executors: an accumulator hands them on") {
     }
 }
 
+CELL_CASE("executors: many rays and casts at once hit what they hit one by one, whoever does them") {
+    busy_place place(8);
+    world& w = place.w;
+    run(w, 5);
+    cell::dice dice(311);
+    for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{64}, std::size_t{500}}) {
+        CAPTURE(count);
+        std::vector<world::ray_query> rays(count);
+        std::vector<world::shape_query> casts(count);
+        for (std::size_t i = 0; i < count; ++i) {
+            vec from = dice.vec<vec>(-20, 20), way = dice.vec<vec>(-20, 20);
+            from.y = dice.real(0, 10);
+            rays[i] = {from, way, {.kinds = i % 3 ? physics::all_bodies : physics::dynamic_bodies}};
+            casts[i] = {{from, {}}, way, rays[i].filter};
+        }
+        const world::ball ball{S(0.25)};
+        // Room for more is left as it is.
+        std::vector<world::world_hit> by_rays(count + 1), by_casts(count + 1);
+        by_rays.back().fraction = S(0.5);
+        const auto is_same = [](const world::world_hit& a, const world::world_hit& b) {
+            return a.shape == b.shape && a.body == b.body && a.fraction == b.fraction && a.point == b.point &&
+                   a.normal == b.normal;
+        };
+        int found = 0;
+        const auto compare = [&] {
+            for (std::size_t i = 0; i < count; ++i) {
+                const auto r = w.cast_ray(rays[i].origin, rays[i].translation, rays[i].filter);
+                const auto c = w.cast_shape(ball, casts[i].pose, casts[i].translation, casts[i].filter);
+                CHECK((is_same(by_rays[i], r) && is_same(by_casts[i], c)));
+                found += static_cast<bool>(r);
+                by_rays[i] = by_casts[i] = {};
+            }
+            CHECK(by_rays.back().fraction == S(0.5));
+        };
+        const auto by = [&](auto&& workers) {
+            w.cast_rays(rays, by_rays, workers);
+            w.cast_shapes(ball, casts, by_casts, workers);
+            compare();
+        };
+        w.cast_rays(rays, by_rays);
+        w.cast_shapes(ball, casts, by_casts);
+        compare();
+        by(backwards{});
+        by(fresh_threads{});
+        physics::thread_pool pool(3);
+        by(pool);
+        if (count == 500) CHECK(found > 100);
+    }
+}
+CELL_CASE("executors: of many rays none is cast where one is bad, by name") {
+    busy_place place(3);
+    world& w = place.w;
+    std::vector<world::ray_query> rays(3);
+    std::vector<world::shape_query> casts(3);
+    for (auto& r : rays) r = {along(1, 20), along(1, -40), {}};
+    for (auto& c : casts) c = {{along(1, 20), {}}, along(1, -40), {}};
+    std::vector<world::world_hit> hits(3);
+    backwards by;
+    refuses(w, "cast_rays", "hits", "2", [&] { w.cast_rays(rays, std::vector<world::world_hit>(2)); });
+    const body_id gone = w.create_body();
+    w.destroy_body(gone);
+    rays[2].filter.except = casts[2].filter.except = gone;
+    refuses(w, "cast_rays", "except", "", [&] { w.cast_rays(rays, hits, by); });
+    refuses(w, "cast_shapes", "except", "", [&] { w.cast_shapes(world::ball{}, casts, hits, by); });
+    casts[2].filter.except = {};
+    refuses(w, "cast_shapes", "radius", "-1", [&] { w.cast_shapes(world::ball{S(-1)}, casts, hits); });
+    rays[2].filter.except = {};
+    rays[1].origin = place.along_all(0.75 * number(cell::traits::max()));
+    rays[1].translation = rays[1].origin;
+    refuses(w, "cast_rays", "end of the way.x", "", [&] { w.cast_rays(rays, hits); });
+    rays[1] = rays[0];
+    for (const auto& hit : hits) CHECK(!hit);
+    backwards nobody{0};
+    refuses(w, "cast_rays", "executor", "without workers", [&] { w.cast_rays(rays, hits, nobody); });
+    w.cast_rays(rays, hits, by);
+    for (const auto& hit : hits) CHECK(hit);
+}
+
 }  // namespace executors_laws
 }  // namespace

@@ -121,8 +121,17 @@ bool check_filter(const state<Plan>& s, const char* function, const query_filter
 }
 template <class S, int D>
 bool check_translation(const char* function, const char* from, vec<S, D> origin, vec<S, D> translation) {
-    return check_finite(function, from, origin) && check_finite(function, "translation", translation) &&
-           check_finite(function, "end of the way", origin + translation);
+    if (!check_finite(function, from, origin) || !check_finite(function, "translation", translation)) return false;
+    const vec<S, D> end = origin + translation;
+    // In fixed point a sum beyond the range comes out on the other side.
+    if constexpr (!std::is_floating_point_v<S>)
+        for (int i = 0; i < D; ++i) {
+            const char component[] = {'.', "xyz"[i], '\0'};
+            if (translation[i] > S(0) ? end[i] < origin[i] : end[i] > origin[i])
+                return refuse(function, "end of the way", component, to_double(origin[i]) + to_double(translation[i]),
+                              "it must lie within the scalar's range");
+        }
+    return check_finite(function, "end of the way", end);
 }
 
 /// Calls visit(hit) for shapes that a ray meets, in any order; it must not change the world. visit returns the fraction
@@ -170,21 +179,30 @@ closest_points<S, D> separation_within(const A& a, const B& b, const transform<S
     else return separation(a, b, b_in_a);
 }
 
+template <class S, int D>
+vec<S, D> middle_of(const aabb<S, D>& box) {
+    return box.lower + (box.upper - box.lower) * S(0.5);
+}
+template <class Plan, class Shape>
+bool check_cast(const state<Plan>& s, const char* f, const Shape& shape,
+                const transform<typename Plan::scalar, Plan::dimension>& pose,
+                vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter) {
+    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation) ||
+        !check_translation(f, "position", pose.position, translation) || !check_filter(s, f, filter))
+        return false;
+    const auto box = bounds(shape, pose);
+    return check_extent(f, box) && check_translation(f, "middle", middle_of(box), translation);
+}
 template <class Plan, class Shape>
 world_hit<typename Plan::scalar, Plan::dimension> cast_shape(
     const state<Plan>& s, const Shape& shape, const transform<typename Plan::scalar, Plan::dimension>& pose,
     vec<typename Plan::scalar, Plan::dimension> translation, const query_filter& filter) {
     using S = typename Plan::scalar;
     constexpr int D = Plan::dimension;
-    const char* f = "cast_shape";
     world_hit<S, D> first;
-    if (!check(shape, f) || !check_pose(f, pose.position, pose.rotation) ||
-        !check_translation(f, "position", pose.position, translation) || !check_filter(s, f, filter))
-        return first;
+    if (!check_cast(s, "cast_shape", shape, pose, translation, filter)) return first;
     const aabb<S, D> box = bounds(shape, pose);
-    if (!check_extent(f, box)) return first;
-    const vec<S, D> middle = box.lower + (box.upper - box.lower) * S(0.5);
-    each_on(s, {middle, translation, (box.upper - box.lower) * S(0.5)}, filter, [&](std::uint32_t i) {
+    each_on(s, {middle_of(box), translation, (box.upper - box.lower) * S(0.5)}, filter, [&](std::uint32_t i) {
         const transform<S, D> at = s.shapes[i].pose;
         s.shapes[i].shape.visit([&](const auto& other) {
             const auto hit = cast_shape(other, shape, relative(at, pose), inverse_rotate(at.rotation, translation));

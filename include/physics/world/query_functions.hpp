@@ -1,6 +1,7 @@
 // What users ask a world for.
 #pragma once
 
+#include "physics/world/query_batches.hpp"
 #include "physics/world/world_code.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -68,7 +69,54 @@ public:
         return detail::world_code<Plan>::closest_shape(state(), point, reach, filter);
     }
 
+    /// Many rays: writes what each meets first to hits, in their order, as cast_ray gives it. Both are arrays with
+    /// data() and size(): of ray_query, and of as many world_hit at least. Refused as a whole, with nothing written,
+    /// where one is. With an executor, such as a thread_pool, it shares them out; the world must not change meanwhile.
+    template <class Rays, class Hits>
+    void cast_rays(const Rays& rays, Hits&& hits) const {
+        cast_rays_by({}, rays, hits);
+    }
+    template <class Rays, class Hits, executor Executor>
+    void cast_rays(const Rays& rays, Hits&& hits, Executor& by) const {
+        detail::with_tasks("cast_rays", by, [&](const auto& tasks) { cast_rays_by(tasks, rays, hits); });
+    }
+    /// The same for many casts of one shape: of shape_query.
+    template <class Shape, class Casts, class Hits>
+    void cast_shapes(const Shape& shape, const Casts& casts, Hits&& hits) const {
+        cast_shapes_by({}, shape, casts, hits);
+    }
+    template <class Shape, class Casts, class Hits, executor Executor>
+    void cast_shapes(const Shape& shape, const Casts& casts, Hits&& hits, Executor& by) const {
+        detail::with_tasks("cast_shapes", by, [&](const auto& tasks) { cast_shapes_by(tasks, shape, casts, hits); });
+    }
+
 private:
+    template <class Rays, class Hits>
+    void cast_rays_by(const detail::task_runner& tasks, const Rays& rays, Hits& hits) const {
+        const char* f = "cast_rays";
+        const auto check = [&](const ray_query<S, D>& r) {
+            return detail::scoped([&] { return detail::check_translation(f, "origin", r.origin, r.translation); }) &&
+                   detail::check_filter(state(), f, r.filter);
+        };
+        detail::with_batch(f, rays, hits, check, [&](const auto* all, std::uint32_t count, auto* to) {
+            detail::run_batch(f, all, count, to, tasks, [&](const ray_query<S, D>& r) {
+                return detail::world_code<Plan>::cast_ray(state(), r.origin, r.translation, r.filter);
+            });
+        });
+    }
+    template <class Shape, class Casts, class Hits>
+    void cast_shapes_by(const detail::task_runner& tasks, const Shape& shape, const Casts& casts, Hits& hits) const {
+        const char* f = "cast_shapes";
+        const auto may_cast = [&](const shape_query<S, D>& c) {
+            return detail::scoped(
+                [&] { return detail::check_cast(state(), f, shape, c.pose, c.translation, c.filter); });
+        };
+        detail::with_batch(f, casts, hits, may_cast, [&](const auto* all, std::uint32_t count, auto* to) {
+            detail::run_batch(f, all, count, to, tasks, [&](const shape_query<S, D>& c) {
+                return cast_shape(shape, c.pose, c.translation, c.filter);
+            });
+        });
+    }
     const auto& state() const { return detail::world_access::state_of(static_cast<const World&>(*this)); }
 };
 

@@ -53,6 +53,8 @@ public:
     using joint_list = typename plan::joints;
     using world_hit = physics::world_hit<scalar, dimension>;
     using closest_hit = physics::closest_hit<scalar, dimension>;
+    using ray_query = physics::ray_query<scalar, dimension>;
+    using shape_query = physics::shape_query<scalar, dimension>;
     using shape_contact = physics::shape_contact<scalar, dimension>;
     using of_joints::contains, of_joints::user_data, of_joints::set_user_data;
 
