@@ -3859,6 +3859,8 @@ struct continuous {};
 struct events {};
 /// Which contacts hold, and how: one_way_platforms.
 struct contact_rule {};
+/// Types of a user's own on bodies, shapes and joints: user_types<...>.
+struct user_types {};
 /// Which features are left out: without<...>.
 struct features {};
 }  // namespace stage
@@ -32545,6 +32547,53 @@ edge_range joint_edges(const step_data<Plan>& d) {
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/step/user_types.hpp
+// =================================================================================================
+// Types of a user's own on bodies, shapes and joints.
+
+PHYSICS_HPP_BEGIN
+
+/// Stands for no type of a user's.
+struct no_user_type {};
+
+/// What a user's own types are, of which a world keeps one value for each body, shape or joint: user_types<actor>,
+/// user_types<actor, surface>, user_types<no_user_type, no_user_type, lock>. Plain values without pointers into
+/// themselves, which copies and snapshots of the world have too; they enter no hash. Default: none, at no cost.
+template <class Body = no_user_type, class Shape = no_user_type, class Joint = no_user_type>
+struct user_types {
+    using stage = physics::stage::user_types;
+    using body = Body;
+    using shape = Shape;
+    using joint = Joint;
+    template <class T>
+    static constexpr bool is_plain = std::is_trivially_copyable_v<T>&& std::is_default_constructible_v<T>;
+    static constexpr bool are_plain = is_plain<Body> && is_plain<Shape> && is_plain<Joint>;
+};
+
+namespace detail {
+
+/// A value of a user's type by number. `Of` tells the lists of a world apart.
+template <class Of, class T>
+struct user_values {
+    buffer<T> list;
+    PHYSICS_HPP_MEMBERS(list)
+
+    /// Makes room for a number, and begins anew there.
+    void start(std::uint32_t i) {
+        if (i >= list.size()) list.resize(i + 1);
+        list[i] = T{};
+    }
+};
+template <class Of>
+struct user_values<Of, no_user_type> {
+    void start(std::uint32_t) {}
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/step/state.hpp
 // =================================================================================================
 // Everything that a world holds, as plain arrays.
@@ -32731,13 +32780,17 @@ struct state {
     [[no_unique_address]] std::conditional_t<Plan::events::contacts, dropped_contacts, no_changes> dropped;
     [[no_unique_address]] std::conditional_t<Plan::events::sensors, sensor_state, no_changes> sensors;
     [[no_unique_address]] joint_limits_of<Plan> joint_limits;
+    [[no_unique_address]] user_values<body_tag, typename Plan::user_types::body> body_values;
+    [[no_unique_address]] user_values<shape_tag, typename Plan::user_types::shape> shape_values;
+    [[no_unique_address]] user_values<joint_tag, typename Plan::user_types::joint> joint_values;
     std::uint64_t steps = 0;
     /// Lengths of the steps in which the contacts' impulses act.
     solver_api::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     unsaved<std::uint16_t> tag;
     PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
-                        removed, sleep, continuous, joints, dropped, sensors, joint_limits, steps, step_lengths, tag)
+                        removed, sleep, continuous, joints, dropped, sensors, joint_limits, body_values, shape_values,
+                        joint_values, steps, step_lengths, tag)
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {
@@ -36845,6 +36898,7 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using solver = typename policy_for<stage::solver, soft_step, Policies...>::type::template in<space, features>;
     static constexpr bool sleeps = features::sleeping;
     using events = typename policy_for<stage::events, physics::events<>, Policies...>::type;
+    using user_types = typename policy_for<stage::user_types, physics::user_types<>, Policies...>::type;
     using contact_rule = typename policy_for<stage::contact_rule, no_contact_rule, Policies...>::type;
     static constexpr bool has_contact_rule = !std::same_as<contact_rule, no_contact_rule>;
     using joints = typename policy_for<stage::joints, physics::joints<>, Policies...>::type;
@@ -36904,6 +36958,7 @@ enum class recipe_problem {
     solver_without_joints,
     bad_continuous,
     unknown_event,
+    bad_user_type,
 };
 
 template <class T>
@@ -36925,12 +36980,13 @@ constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<
                              std::same_as<Stage, stage::mixing> || std::same_as<Stage, stage::solver> ||
                              std::same_as<Stage, stage::integrator> || std::same_as<Stage, stage::continuous> ||
                              std::same_as<Stage, stage::features> || std::same_as<Stage, stage::events> ||
-                             std::same_as<Stage, stage::contact_rule>;
+                             std::same_as<Stage, stage::contact_rule> || std::same_as<Stage, stage::user_types>;
 
 /// False for a policy that claims a stage of the library's own.
 template <class Policy, class Stage = typename stage_of<Policy>::type>
 constexpr bool may_serve = !std::same_as<Stage, stage::shapes> && !std::same_as<Stage, stage::joints> &&
-                           !std::same_as<Stage, stage::features> && !std::same_as<Stage, stage::events>;
+                           !std::same_as<Stage, stage::features> && !std::same_as<Stage, stage::events> &&
+                           !std::same_as<Stage, stage::user_types>;
 template <template <class, int> class... Shapes>
 constexpr bool may_serve<shapes<Shapes...>, stage::shapes> = true;
 template <template <class, int> class... Joints>
@@ -36939,6 +36995,8 @@ template <class... Features>
 constexpr bool may_serve<without<Features...>, stage::features> = true;
 template <class... Kinds>
 constexpr bool may_serve<events<Kinds...>, stage::events> = true;
+template <class Body, class Shape, class Joint>
+constexpr bool may_serve<user_types<Body, Shape, Joint>, stage::user_types> = true;
 
 /// How many of the policies serve the stage.
 template <class Stage, class... Policies>
@@ -37042,6 +37100,8 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
         else if constexpr (!features::known) return recipe_problem::unknown_feature;
         else if constexpr (!policy_for<stage::events, events<>, Policies...>::type::known)
             return recipe_problem::unknown_event;
+        else if constexpr (!policy_for<stage::user_types, user_types<>, Policies...>::type::are_plain)
+            return recipe_problem::bad_user_type;
         else if constexpr (!broadphase_policy<typename policy_for<stage::broadphase, dynamic_tree, Policies...>::type,
                                               space<S, D>>)
             return recipe_problem::bad_broadphase;
@@ -37109,7 +37169,7 @@ struct audit {
                   "physics::stage");
     static_assert(problem != recipe_problem::not_shapes_or_without,
                   "physics::recipe: a policy names a stage that only physics::shapes<...>, physics::joints<...>, "
-                  "physics::without<...> or physics::events<...> may serve");
+                  "physics::without<...>, physics::events<...> or physics::user_types<...> may serve");
     static_assert(problem != recipe_problem::two_policies_for_a_stage,
                   "physics::recipe: two policies serve the same stage; keep one of them");
     static_assert(problem != recipe_problem::no_shapes, "physics::shapes: the set is empty; name at least one shape");
@@ -37124,6 +37184,8 @@ struct audit {
         "physics::without: an argument is not a feature; the features are those of namespace physics::feature");
     static_assert(problem != recipe_problem::unknown_event,
                   "physics::events: an argument is not an event; the events are those of namespace physics::event");
+    static_assert(problem != recipe_problem::bad_user_type,
+                  "physics::user_types: a type is not plain; it must be trivially copyable and have a default value");
     static_assert(problem != recipe_problem::same_joint_twice, "physics::joints: a joint stands in the set twice");
     static_assert(problem != recipe_problem::not_a_joint,
                   "physics::joints: a type of the set does not model physics::joint_for; it needs a list of its "
@@ -38321,6 +38383,7 @@ body_id create_body(world_data<Plan>& s, const body_def<typename Plan::scalar, P
     const auto place = s.bodies.insert(b);
     if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
     s.contact_starts.resize(s.bodies.slots());
+    s.body_values.start(place.index);
     if constexpr (Plan::has_joints) s.joints.first.resize(s.bodies.slots(), no_joint);
     s.awake.is_stale = true;
     refresh_mass(s, place.index);
@@ -38374,6 +38437,7 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
     wake_affected(s, body);
     const auto place = s.shapes.insert(record);
+    s.shape_values.start(place.index);
     if constexpr (Plan::events::sensors) {
         s.sensors.is_sensor.grow(s.shapes.slots());
         if (def.sensor) {
@@ -40077,6 +40141,7 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
     record.break_torque = def.break_torque;
     record.user_data = def.user_data;
     const auto place = s.joints.records.insert(record);
+    s.joint_values.start(place.index);
     stored_joint<Joint, typename Plan::scalar> stored;
     stored.joint = joint;
     stored.number = place.index;
@@ -40297,8 +40362,8 @@ public:
         const auto at = find(state(), id, "user_data");
         return at ? record(at).user_data : 0;
     }
-    void set_user_data(joint_id id, std::uint64_t data) {
-        if (const auto at = find(state(), id, "set_user_data")) state().joints.records[at.index].user_data = data;
+    void set_user_data(joint_id id, std::uint64_t value) {
+        if (const auto at = find(state(), id, "set_user_data")) state().joints.records[at.index].user_data = value;
     }
 
 private:
@@ -40733,6 +40798,59 @@ private:
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/world/user_functions.hpp
+// =================================================================================================
+// What a world keeps for its user.
+
+PHYSICS_HPP_BEGIN
+
+/// Values of a user's own types, in recipes that name them (see user_types): what is created begins with T{}. Null
+/// where a handle is refused; an address is good until the next thing of that kind is created.
+template <class World, class Plan>
+class user_functions {
+    using types = typename Plan::user_types;
+    template <class T>
+    static constexpr bool is_kept = !std::same_as<T, no_user_type>;
+
+public:
+    [[nodiscard]] auto* data(body_id id) requires(is_kept<typename types::body>) { return of_body(world(), id); }
+    [[nodiscard]] const auto* data(body_id id) const requires(is_kept<typename types::body>) {
+        return of_body(world(), id);
+    }
+    [[nodiscard]] auto* data(shape_id id) requires(is_kept<typename types::shape>) { return of_shape(world(), id); }
+    [[nodiscard]] const auto* data(shape_id id) const requires(is_kept<typename types::shape>) {
+        return of_shape(world(), id);
+    }
+    [[nodiscard]] auto* data(joint_id id) requires(is_kept<typename types::joint>&& Plan::has_joints) {
+        return of_joint(world(), id);
+    }
+    [[nodiscard]] const auto* data(joint_id id) const requires(is_kept<typename types::joint>&& Plan::has_joints) {
+        return of_joint(world(), id);
+    }
+
+private:
+    auto& world() { return detail::world_access::data_of(static_cast<World&>(*this)); }
+    const auto& world() const { return detail::world_access::data_of(static_cast<const World&>(*this)); }
+    template <class Data>
+    static auto of_body(Data& s, body_id id) {
+        const detail::lookup at = detail::find_body(s, id, "data");
+        return at ? &s.body_values.list[at.index] : nullptr;
+    }
+    template <class Data>
+    static auto of_shape(Data& s, shape_id id) {
+        const detail::lookup at = detail::find_shape(s, id, "data");
+        return at ? &s.shape_values.list[at.index] : nullptr;
+    }
+    template <class Data>
+    static auto of_joint(Data& s, joint_id id) {
+        const detail::lookup at = detail::find_joint(s, id, "data");
+        return at ? &s.joint_values.list[at.index] : nullptr;
+    }
+};
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/world/world.hpp
 // =================================================================================================
 // The world: what users hold.
@@ -40755,7 +40873,8 @@ class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::typ
               public joint_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
               public query_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
               public contact_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
-              public body_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
+              public body_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
+              public user_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
     friend detail::world_access;
     using plan = typename detail::plan_of<Recipe>::type;
     using of_joints = joint_functions<world, plan>;
@@ -40786,6 +40905,7 @@ public:
     using shape_query = physics::shape_query<scalar, dimension>;
     using shape_contact = physics::shape_contact<scalar, dimension>;
     using of_joints::contains, of_joints::user_data, of_joints::set_user_data;
+    using user_functions<world, plan>::data;
 
     /// An empty world. Refuses settings out of range, and a build whose arithmetic would not give the same
     /// bits as every other (see float_environment).
@@ -41030,8 +41150,8 @@ public:
     [[nodiscard]] std::uint64_t user_data(body_id id) const {
         return get(id, "user_data", [](const auto& b) { return b.user_data; });
     }
-    void set_user_data(body_id id, std::uint64_t data) {
-        if (const auto b = find(id, "set_user_data")) data_.bodies[b.index].user_data = data;
+    void set_user_data(body_id id, std::uint64_t value) {
+        if (const auto b = find(id, "set_user_data")) data_.bodies[b.index].user_data = value;
     }
 
     [[nodiscard]] body_id body(shape_id id) const {
@@ -41066,8 +41186,8 @@ public:
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });
     }
-    void set_user_data(shape_id id, std::uint64_t data) {
-        if (const auto s = detail::find_shape(data_, id, "set_user_data")) data_.shapes[s.index].user_data = data;
+    void set_user_data(shape_id id, std::uint64_t value) {
+        if (const auto s = detail::find_shape(data_, id, "set_user_data")) data_.shapes[s.index].user_data = value;
     }
 
 private:

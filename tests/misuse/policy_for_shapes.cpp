@@ -1,4 +1,4 @@
-// expect: physics::recipe: a policy names a stage that only physics::shapes<...>, physics::joints<...>, physics::without<...> or physics::events<...> may serve
+// expect: physics::recipe: a policy names a stage that only physics::shapes<...>, physics::joints<...>, physics::without<...>, physics::events<...> or physics::user_types<...> may serve
 #include <physics.hpp>
 
 struct balls {

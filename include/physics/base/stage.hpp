@@ -26,6 +26,8 @@ struct continuous {};
 struct events {};
 /// Which contacts hold, and how: one_way_platforms.
 struct contact_rule {};
+/// Types of a user's own on bodies, shapes and joints: user_types<...>.
+struct user_types {};
 /// Which features are left out: without<...>.
 struct features {};
 }  // namespace stage

@@ -7,6 +7,7 @@
 #include "physics/step/contact_lists.hpp"
 #include "physics/step/joints.hpp"
 #include "physics/step/step_data.hpp"
+#include "physics/step/user_types.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -190,13 +191,17 @@ struct state {
     [[no_unique_address]] std::conditional_t<Plan::events::contacts, dropped_contacts, no_changes> dropped;
     [[no_unique_address]] std::conditional_t<Plan::events::sensors, sensor_state, no_changes> sensors;
     [[no_unique_address]] joint_limits_of<Plan> joint_limits;
+    [[no_unique_address]] user_values<body_tag, typename Plan::user_types::body> body_values;
+    [[no_unique_address]] user_values<shape_tag, typename Plan::user_types::shape> shape_values;
+    [[no_unique_address]] user_values<joint_tag, typename Plan::user_types::joint> joint_values;
     std::uint64_t steps = 0;
     /// Lengths of the steps in which the contacts' impulses act.
     solver_api::step_lengths<S> step_lengths;
     /// By which handles know the world; no part of what lasts, so that they serve it whatever state it is brought to.
     unsaved<std::uint16_t> tag;
     PHYSICS_HPP_MEMBERS(settings, bodies, shapes, broadphase, contacts, surfaces, contact_starts, awake, memories,
-                        removed, sleep, continuous, joints, dropped, sensors, joint_limits, steps, step_lengths, tag)
+                        removed, sleep, continuous, joints, dropped, sensors, joint_limits, body_values, shape_values,
+                        joint_values, steps, step_lengths, tag)
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return sleep.is_asleep(body); }
     [[nodiscard]] bool is_awake_dynamic(std::uint32_t body) const {

@@ -31,6 +31,7 @@ enum class recipe_problem {
     solver_without_joints,
     bad_continuous,
     unknown_event,
+    bad_user_type,
 };
 
 template <class T>
@@ -52,12 +53,13 @@ constexpr bool known_stage = std::same_as<Stage, stage::shapes> || std::same_as<
                              std::same_as<Stage, stage::mixing> || std::same_as<Stage, stage::solver> ||
                              std::same_as<Stage, stage::integrator> || std::same_as<Stage, stage::continuous> ||
                              std::same_as<Stage, stage::features> || std::same_as<Stage, stage::events> ||
-                             std::same_as<Stage, stage::contact_rule>;
+                             std::same_as<Stage, stage::contact_rule> || std::same_as<Stage, stage::user_types>;
 
 /// False for a policy that claims a stage of the library's own.
 template <class Policy, class Stage = typename stage_of<Policy>::type>
 constexpr bool may_serve = !std::same_as<Stage, stage::shapes> && !std::same_as<Stage, stage::joints> &&
-                           !std::same_as<Stage, stage::features> && !std::same_as<Stage, stage::events>;
+                           !std::same_as<Stage, stage::features> && !std::same_as<Stage, stage::events> &&
+                           !std::same_as<Stage, stage::user_types>;
 template <template <class, int> class... Shapes>
 constexpr bool may_serve<shapes<Shapes...>, stage::shapes> = true;
 template <template <class, int> class... Joints>
@@ -66,6 +68,8 @@ template <class... Features>
 constexpr bool may_serve<without<Features...>, stage::features> = true;
 template <class... Kinds>
 constexpr bool may_serve<events<Kinds...>, stage::events> = true;
+template <class Body, class Shape, class Joint>
+constexpr bool may_serve<user_types<Body, Shape, Joint>, stage::user_types> = true;
 
 /// How many of the policies serve the stage.
 template <class Stage, class... Policies>
@@ -169,6 +173,8 @@ constexpr recipe_problem problem_of_policies(const policy_list<Policies...>*) {
         else if constexpr (!features::known) return recipe_problem::unknown_feature;
         else if constexpr (!policy_for<stage::events, events<>, Policies...>::type::known)
             return recipe_problem::unknown_event;
+        else if constexpr (!policy_for<stage::user_types, user_types<>, Policies...>::type::are_plain)
+            return recipe_problem::bad_user_type;
         else if constexpr (!broadphase_policy<typename policy_for<stage::broadphase, dynamic_tree, Policies...>::type,
                                               space<S, D>>)
             return recipe_problem::bad_broadphase;
@@ -236,7 +242,7 @@ struct audit {
                   "physics::stage");
     static_assert(problem != recipe_problem::not_shapes_or_without,
                   "physics::recipe: a policy names a stage that only physics::shapes<...>, physics::joints<...>, "
-                  "physics::without<...> or physics::events<...> may serve");
+                  "physics::without<...>, physics::events<...> or physics::user_types<...> may serve");
     static_assert(problem != recipe_problem::two_policies_for_a_stage,
                   "physics::recipe: two policies serve the same stage; keep one of them");
     static_assert(problem != recipe_problem::no_shapes, "physics::shapes: the set is empty; name at least one shape");
@@ -251,6 +257,8 @@ struct audit {
         "physics::without: an argument is not a feature; the features are those of namespace physics::feature");
     static_assert(problem != recipe_problem::unknown_event,
                   "physics::events: an argument is not an event; the events are those of namespace physics::event");
+    static_assert(problem != recipe_problem::bad_user_type,
+                  "physics::user_types: a type is not plain; it must be trivially copyable and have a default value");
     static_assert(problem != recipe_problem::same_joint_twice, "physics::joints: a joint stands in the set twice");
     static_assert(problem != recipe_problem::not_a_joint,
                   "physics::joints: a type of the set does not model physics::joint_for; it needs a list of its "

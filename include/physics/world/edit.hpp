@@ -33,6 +33,7 @@ body_id create_body(world_data<Plan>& s, const body_def<typename Plan::scalar, P
     const auto place = s.bodies.insert(b);
     if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
     s.contact_starts.resize(s.bodies.slots());
+    s.body_values.start(place.index);
     if constexpr (Plan::has_joints) s.joints.first.resize(s.bodies.slots(), no_joint);
     s.awake.is_stale = true;
     refresh_mass(s, place.index);
@@ -86,6 +87,7 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
     wake_affected(s, body);
     const auto place = s.shapes.insert(record);
+    s.shape_values.start(place.index);
     if constexpr (Plan::events::sensors) {
         s.sensors.is_sensor.grow(s.shapes.slots());
         if (def.sensor) {

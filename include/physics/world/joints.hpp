@@ -94,6 +94,7 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
     record.break_torque = def.break_torque;
     record.user_data = def.user_data;
     const auto place = s.joints.records.insert(record);
+    s.joint_values.start(place.index);
     stored_joint<Joint, typename Plan::scalar> stored;
     stored.joint = joint;
     stored.number = place.index;
@@ -314,8 +315,8 @@ public:
         const auto at = find(state(), id, "user_data");
         return at ? record(at).user_data : 0;
     }
-    void set_user_data(joint_id id, std::uint64_t data) {
-        if (const auto at = find(state(), id, "set_user_data")) state().joints.records[at.index].user_data = data;
+    void set_user_data(joint_id id, std::uint64_t value) {
+        if (const auto at = find(state(), id, "set_user_data")) state().joints.records[at.index].user_data = value;
     }
 
 private:

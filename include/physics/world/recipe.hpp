@@ -29,6 +29,7 @@
 #include "physics/shape/tile_grid.hpp"
 #include "physics/step/contact_rule.hpp"
 #include "physics/step/events.hpp"
+#include "physics/step/user_types.hpp"
 #include "physics/world/settings.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -178,6 +179,7 @@ struct plan<S, D, shapes<Shapes...>, Policies...> {
     using solver = typename policy_for<stage::solver, soft_step, Policies...>::type::template in<space, features>;
     static constexpr bool sleeps = features::sleeping;
     using events = typename policy_for<stage::events, physics::events<>, Policies...>::type;
+    using user_types = typename policy_for<stage::user_types, physics::user_types<>, Policies...>::type;
     using contact_rule = typename policy_for<stage::contact_rule, no_contact_rule, Policies...>::type;
     static constexpr bool has_contact_rule = !std::same_as<contact_rule, no_contact_rule>;
     using joints = typename policy_for<stage::joints, physics::joints<>, Policies...>::type;

@@ -6,6 +6,7 @@
 #include "physics/world/energy.hpp"
 #include "physics/world/joints.hpp"
 #include "physics/world/query_functions.hpp"
+#include "physics/world/user_functions.hpp"
 #include "physics/world/world_code.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -26,7 +27,8 @@ class world : public detail::shape_aliases<typename detail::plan_of<Recipe>::typ
               public joint_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
               public query_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
               public contact_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
-              public body_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
+              public body_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type>,
+              public user_functions<world<Recipe, Plan>, typename detail::plan_of<Recipe>::type> {
     friend detail::world_access;
     using plan = typename detail::plan_of<Recipe>::type;
     using of_joints = joint_functions<world, plan>;
@@ -57,6 +59,7 @@ public:
     using shape_query = physics::shape_query<scalar, dimension>;
     using shape_contact = physics::shape_contact<scalar, dimension>;
     using of_joints::contains, of_joints::user_data, of_joints::set_user_data;
+    using user_functions<world, plan>::data;
 
     /// An empty world. Refuses settings out of range, and a build whose arithmetic would not give the same
     /// bits as every other (see float_environment).
@@ -301,8 +304,8 @@ public:
     [[nodiscard]] std::uint64_t user_data(body_id id) const {
         return get(id, "user_data", [](const auto& b) { return b.user_data; });
     }
-    void set_user_data(body_id id, std::uint64_t data) {
-        if (const auto b = find(id, "set_user_data")) data_.bodies[b.index].user_data = data;
+    void set_user_data(body_id id, std::uint64_t value) {
+        if (const auto b = find(id, "set_user_data")) data_.bodies[b.index].user_data = value;
     }
 
     [[nodiscard]] body_id body(shape_id id) const {
@@ -337,8 +340,8 @@ public:
     [[nodiscard]] std::uint64_t user_data(shape_id id) const {
         return get(id, "user_data", [](const auto& s) { return s.user_data; });
     }
-    void set_user_data(shape_id id, std::uint64_t data) {
-        if (const auto s = detail::find_shape(data_, id, "set_user_data")) data_.shapes[s.index].user_data = data;
+    void set_user_data(shape_id id, std::uint64_t value) {
+        if (const auto s = detail::find_shape(data_, id, "set_user_data")) data_.shapes[s.index].user_data = value;
     }
 
 private:
