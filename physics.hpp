@@ -457,6 +457,8 @@ public:
     [[nodiscard]] std::uint32_t size() const { return size_; }
     [[nodiscard]] std::uint32_t capacity() const { return capacity_; }
     [[nodiscard]] bool empty() const { return size_ == 0; }
+    T* data() { return data_; }
+    [[nodiscard]] const T* data() const { return data_; }
     T* begin() { return data_; }
     T* end() { return data_ + size_; }
     const T* begin() const { return data_; }
@@ -515,7 +517,31 @@ private:
     std::uint32_t capacity_ = 0;
 };
 
+/// An array of T with data() and size(), as std::vector, std::array, std::span and buffer are.
+template <class Array, class T>
+concept array_of = requires(const Array& a) {
+    { a.data() } -> std::convertible_to<const T*>;
+    { a.size() } -> std::convertible_to<std::size_t>;
+};
+
 namespace detail {
+
+/// Whether an array is no longer than counts reach; refused by the name of a field.
+template <class Array>
+bool check_count(const char* function, const char* field, const Array& a) {
+    return static_cast<std::size_t>(a.size()) <= 0xfffffffeu ||
+           refuse(function, field, static_cast<double>(a.size()), "there may be 4,294,967,294 at most");
+}
+/// The same, where there must be just so many values in rows.
+template <class Array>
+bool check_grid(const char* function, const char* field, const Array& a, std::uint32_t columns, std::uint32_t rows) {
+    return static_cast<std::uint64_t>(a.size()) == std::uint64_t{columns} * rows ||
+           refuse(function, field, static_cast<double>(a.size()), "there must be columns times rows");
+}
+template <class Array>
+std::uint32_t count_of(const Array& a) {
+    return static_cast<std::uint32_t>(a.size());
+}
 
 /// A number beside buffers: 0 once it was moved from, as they are empty.
 template <class T>
@@ -7536,6 +7562,11 @@ public:
                                              const hull_settings& settings = {}) {
         return hull_geometry(detail::scoped([&] { return detail::build_hull(points, count, settings); }));
     }
+    template <array_of<vec<S, D>> Points>
+    [[nodiscard]] static hull_geometry build(const Points& points, const hull_settings& settings = {}) {
+        if (!detail::check_count("hull_geometry::build", "points", points)) return {};
+        return build(points.data(), detail::count_of(points), settings);
+    }
     template <std::size_t N>
     [[nodiscard]] static hull_geometry build(const vec<S, D> (&points)[N], const hull_settings& settings = {}) {
         return build(points, static_cast<std::uint32_t>(N), settings);
@@ -8581,6 +8612,11 @@ public:
                                               const chain_settings& settings = {}) {
         return chain_geometry(detail::scoped([&] { return built(points, count, settings); }));
     }
+    template <array_of<vec<S, 2>> Points>
+    [[nodiscard]] static chain_geometry build(const Points& points, const chain_settings& settings = {}) {
+        if (!detail::check_count("chain_geometry::build", "points", points)) return {};
+        return build(points.data(), detail::count_of(points), settings);
+    }
     template <std::size_t N>
     [[nodiscard]] static chain_geometry build(const vec<S, 2> (&points)[N], const chain_settings& settings = {}) {
         return build(points, static_cast<std::uint32_t>(N), settings);
@@ -8909,6 +8945,11 @@ public:
     /// children at all. Contacts name children by their order. Cost: O(n log n), 1 us a child, 0.3 KB each.
     [[nodiscard]] static compound_geometry build(const compound_child<S, D>* children, std::uint32_t count) {
         return compound_geometry(detail::scoped([&] { return built(children, count); }));
+    }
+    template <array_of<compound_child<S, D>> Children>
+    [[nodiscard]] static compound_geometry build(const Children& children) {
+        if (!detail::check_count("compound_geometry::build", "children", children)) return {};
+        return build(children.data(), detail::count_of(children));
     }
     [[nodiscard]] static compound_geometry build(std::initializer_list<compound_child<S, D>> children) {
         return build(children.begin(), static_cast<std::uint32_t>(children.size()));
@@ -9555,6 +9596,12 @@ public:
                                                     const heightfield_settings& settings = {}) requires(D == 2) {
         return heightfield_geometry(build_in_float_scope(heights, count, 1, spacing, S(1), settings));
     }
+    template <array_of<S> Heights>
+    [[nodiscard]] static heightfield_geometry build(const Heights& heights, S spacing,
+                                                    const heightfield_settings& settings = {}) requires(D == 2) {
+        if (!detail::check_count("heightfield_geometry::build", "heights", heights)) return {};
+        return build(heights.data(), detail::count_of(heights), spacing, settings);
+    }
     [[nodiscard]] static heightfield_geometry build(std::initializer_list<S> heights, S spacing,
                                                     const heightfield_settings& settings = {}) requires(D == 2) {
         return heightfield_geometry(build_in_float_scope(heights.begin(), static_cast<std::uint32_t>(heights.size()), 1,
@@ -9566,6 +9613,13 @@ public:
                                                     S spacing_x, S spacing_z,
                                                     const heightfield_settings& settings = {}) requires(D == 3) {
         return heightfield_geometry(build_in_float_scope(heights, columns, rows, spacing_x, spacing_z, settings));
+    }
+    template <array_of<S> Heights>
+    [[nodiscard]] static heightfield_geometry build(const Heights& heights, std::uint32_t columns, std::uint32_t rows,
+                                                    S spacing_x, S spacing_z,
+                                                    const heightfield_settings& settings = {}) requires(D == 3) {
+        if (!detail::check_grid("heightfield_geometry::build", "heights", heights, columns, rows)) return {};
+        return build(heights.data(), columns, rows, spacing_x, spacing_z, settings);
     }
 
     explicit operator bool() const { return data() != nullptr; }
@@ -9958,6 +10012,20 @@ public:
             detail::scoped([&] { return built(vertices, vertex_count, triangles, triangle_count, settings); }));
     }
 
+    /// The same of arrays: of vertices, and of three indices for each triangle.
+    template <array_of<vec<S, 3>> Vertices, array_of<std::uint32_t> Indices>
+    [[nodiscard]] static mesh_geometry build(const Vertices& vertices, const Indices& indices,
+                                             const mesh_settings& settings = {}) {
+        const char* f = "mesh_geometry::build";
+        if (!detail::check_count(f, "vertices", vertices) || !detail::check_count(f, "indices", indices)) return {};
+        const std::uint32_t count = detail::count_of(indices);
+        if (count % 3 != 0) {
+            refuse(f, "indices", static_cast<double>(count), "there must be three for each triangle");
+            return {};
+        }
+        return build(vertices.data(), detail::count_of(vertices), indices.data(), count / 3, settings);
+    }
+
     explicit operator bool() const { return data() != nullptr; }
     /// The shape, grown by a radius (m). It is good as long as this geometry, a copy of it or a world keeps it.
     [[nodiscard]] mesh<S, 3> shape(S radius = S(0)) const { return {data(), radius}; }
@@ -10318,6 +10386,13 @@ public:
     [[nodiscard]] static tile_grid_geometry build(const std::uint8_t* cells, std::uint32_t columns, std::uint32_t rows,
                                                   S cell_size) {
         return tile_grid_geometry(detail::scoped([&] { return built(cells, columns, rows, cell_size); }));
+    }
+
+    template <array_of<std::uint8_t> Cells>
+    [[nodiscard]] static tile_grid_geometry build(const Cells& cells, std::uint32_t columns, std::uint32_t rows,
+                                                  S cell_size) {
+        if (!detail::check_grid("tile_grid_geometry::build", "cells", cells, columns, rows)) return {};
+        return build(cells.data(), columns, rows, cell_size);
     }
 
     explicit operator bool() const { return data() != nullptr; }
@@ -18191,6 +18266,11 @@ public:
         if constexpr (requires { index_.each_inside(all_, planes, count, see); })
             index_.each_inside(all_, planes, count, see);
         else index_.each_near(all_, everywhere(), see);
+    }
+    template <array_of<bounding_plane<S, D>> Planes, class Visit>
+    void each_inside(const Planes& planes, const query_filter& filter, Visit&& visit) const {
+        if (detail::check_count("each_inside", "planes", planes))
+            each_inside(planes.data(), detail::count_of(planes), filter, visit);
     }
     /// Calls visit(hit) for proxies whose boxes the ray meets, the first ones early. visit returns the fraction of the
     /// translation up to which the ray goes on: hit.fraction for the closest, 1 for all, -1 to stop.
@@ -40449,17 +40529,13 @@ void run_batch(const char* function, const Query* queries, std::uint32_t count, 
 /// Calls f(queries, count, hits) if the lists are long enough and check(query) is true of each query.
 template <class Queries, class Hits, class Check, class F>
 void with_batch(const char* function, const Queries& queries, Hits& hits, Check&& check, F&& f) {
-    const auto size = queries.size(), room = hits.size();
-    if (!(size < 0xffffffffu)) {
-        refuse(function, "queries", static_cast<double>(size), "there may be 4,294,967,294 at most");
-        return;
-    }
-    if (room < size) {
-        refuse(function, "hits", static_cast<double>(room), "there must be one for each query");
+    if (!check_count(function, "queries", queries)) return;
+    if (hits.size() < queries.size()) {
+        refuse(function, "hits", static_cast<double>(hits.size()), "there must be one for each query");
         return;
     }
     const auto* const first = queries.data();
-    const auto count = static_cast<std::uint32_t>(size);
+    const std::uint32_t count = count_of(queries);
     for (std::uint32_t i = 0; i < count; ++i)
         if (!check(first[i])) return;
     f(first, count, hits.data());
@@ -40957,11 +41033,11 @@ public:
     }
     /// Removes several at once, and wakes what slept on them in one pass. Refused where one is listed twice.
     void destroy_bodies(const body_id* ids, std::uint32_t count) { code::destroy_bodies(data_, ids, count); }
-    template <class Ids>
-    void destroy_bodies(const Ids& ids) requires requires {
-        ids.data(), ids.size();
+    template <array_of<body_id> Ids>
+    void destroy_bodies(const Ids& ids) {
+        if (detail::check_count("destroy_bodies", "ids", ids))
+            code::destroy_bodies(data_, ids.data(), detail::count_of(ids));
     }
-    { code::destroy_bodies(data_, ids.data(), static_cast<std::uint32_t>(ids.size())); }
     /// Removes all bodies with all that they have; settings and the number of steps stay. O(shapes + contacts).
     void clear() { code::clear(data_); }
     /// Makes a point the origin: all that is in the world, static bodies too, comes to lie so much nearer or farther,

@@ -1,6 +1,7 @@
 // A growable array of plain values: what all state of a world is made of.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstring>
 #include <new>
@@ -65,6 +66,8 @@ public:
     [[nodiscard]] std::uint32_t size() const { return size_; }
     [[nodiscard]] std::uint32_t capacity() const { return capacity_; }
     [[nodiscard]] bool empty() const { return size_ == 0; }
+    T* data() { return data_; }
+    [[nodiscard]] const T* data() const { return data_; }
     T* begin() { return data_; }
     T* end() { return data_ + size_; }
     const T* begin() const { return data_; }
@@ -123,7 +126,31 @@ private:
     std::uint32_t capacity_ = 0;
 };
 
+/// An array of T with data() and size(), as std::vector, std::array, std::span and buffer are.
+template <class Array, class T>
+concept array_of = requires(const Array& a) {
+    { a.data() } -> std::convertible_to<const T*>;
+    { a.size() } -> std::convertible_to<std::size_t>;
+};
+
 namespace detail {
+
+/// Whether an array is no longer than counts reach; refused by the name of a field.
+template <class Array>
+bool check_count(const char* function, const char* field, const Array& a) {
+    return static_cast<std::size_t>(a.size()) <= 0xfffffffeu ||
+           refuse(function, field, static_cast<double>(a.size()), "there may be 4,294,967,294 at most");
+}
+/// The same, where there must be just so many values in rows.
+template <class Array>
+bool check_grid(const char* function, const char* field, const Array& a, std::uint32_t columns, std::uint32_t rows) {
+    return static_cast<std::uint64_t>(a.size()) == std::uint64_t{columns} * rows ||
+           refuse(function, field, static_cast<double>(a.size()), "there must be columns times rows");
+}
+template <class Array>
+std::uint32_t count_of(const Array& a) {
+    return static_cast<std::uint32_t>(a.size());
+}
 
 /// A number beside buffers: 0 once it was moved from, as they are empty.
 template <class T>

@@ -153,6 +153,11 @@ public:
             index_.each_inside(all_, planes, count, see);
         else index_.each_near(all_, everywhere(), see);
     }
+    template <array_of<bounding_plane<S, D>> Planes, class Visit>
+    void each_inside(const Planes& planes, const query_filter& filter, Visit&& visit) const {
+        if (detail::check_count("each_inside", "planes", planes))
+            each_inside(planes.data(), detail::count_of(planes), filter, visit);
+    }
     /// Calls visit(hit) for proxies whose boxes the ray meets, the first ones early. visit returns the fraction of the
     /// translation up to which the ray goes on: hit.fraction for the closest, 1 for all, -1 to stop.
     template <class Visit>

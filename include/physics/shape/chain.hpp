@@ -77,6 +77,11 @@ public:
                                               const chain_settings& settings = {}) {
         return chain_geometry(detail::scoped([&] { return built(points, count, settings); }));
     }
+    template <array_of<vec<S, 2>> Points>
+    [[nodiscard]] static chain_geometry build(const Points& points, const chain_settings& settings = {}) {
+        if (!detail::check_count("chain_geometry::build", "points", points)) return {};
+        return build(points.data(), detail::count_of(points), settings);
+    }
     template <std::size_t N>
     [[nodiscard]] static chain_geometry build(const vec<S, 2> (&points)[N], const chain_settings& settings = {}) {
         return build(points, static_cast<std::uint32_t>(N), settings);

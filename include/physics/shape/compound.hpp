@@ -138,6 +138,11 @@ public:
     [[nodiscard]] static compound_geometry build(const compound_child<S, D>* children, std::uint32_t count) {
         return compound_geometry(detail::scoped([&] { return built(children, count); }));
     }
+    template <array_of<compound_child<S, D>> Children>
+    [[nodiscard]] static compound_geometry build(const Children& children) {
+        if (!detail::check_count("compound_geometry::build", "children", children)) return {};
+        return build(children.data(), detail::count_of(children));
+    }
     [[nodiscard]] static compound_geometry build(std::initializer_list<compound_child<S, D>> children) {
         return build(children.begin(), static_cast<std::uint32_t>(children.size()));
     }

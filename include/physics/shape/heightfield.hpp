@@ -111,6 +111,12 @@ public:
                                                     const heightfield_settings& settings = {}) requires(D == 2) {
         return heightfield_geometry(build_in_float_scope(heights, count, 1, spacing, S(1), settings));
     }
+    template <array_of<S> Heights>
+    [[nodiscard]] static heightfield_geometry build(const Heights& heights, S spacing,
+                                                    const heightfield_settings& settings = {}) requires(D == 2) {
+        if (!detail::check_count("heightfield_geometry::build", "heights", heights)) return {};
+        return build(heights.data(), detail::count_of(heights), spacing, settings);
+    }
     [[nodiscard]] static heightfield_geometry build(std::initializer_list<S> heights, S spacing,
                                                     const heightfield_settings& settings = {}) requires(D == 2) {
         return heightfield_geometry(build_in_float_scope(heights.begin(), static_cast<std::uint32_t>(heights.size()), 1,
@@ -122,6 +128,13 @@ public:
                                                     S spacing_x, S spacing_z,
                                                     const heightfield_settings& settings = {}) requires(D == 3) {
         return heightfield_geometry(build_in_float_scope(heights, columns, rows, spacing_x, spacing_z, settings));
+    }
+    template <array_of<S> Heights>
+    [[nodiscard]] static heightfield_geometry build(const Heights& heights, std::uint32_t columns, std::uint32_t rows,
+                                                    S spacing_x, S spacing_z,
+                                                    const heightfield_settings& settings = {}) requires(D == 3) {
+        if (!detail::check_grid("heightfield_geometry::build", "heights", heights, columns, rows)) return {};
+        return build(heights.data(), columns, rows, spacing_x, spacing_z, settings);
     }
 
     explicit operator bool() const { return data() != nullptr; }

@@ -229,6 +229,11 @@ public:
                                              const hull_settings& settings = {}) {
         return hull_geometry(detail::scoped([&] { return detail::build_hull(points, count, settings); }));
     }
+    template <array_of<vec<S, D>> Points>
+    [[nodiscard]] static hull_geometry build(const Points& points, const hull_settings& settings = {}) {
+        if (!detail::check_count("hull_geometry::build", "points", points)) return {};
+        return build(points.data(), detail::count_of(points), settings);
+    }
     template <std::size_t N>
     [[nodiscard]] static hull_geometry build(const vec<S, D> (&points)[N], const hull_settings& settings = {}) {
         return build(points, static_cast<std::uint32_t>(N), settings);

@@ -88,6 +88,20 @@ public:
             detail::scoped([&] { return built(vertices, vertex_count, triangles, triangle_count, settings); }));
     }
 
+    /// The same of arrays: of vertices, and of three indices for each triangle.
+    template <array_of<vec<S, 3>> Vertices, array_of<std::uint32_t> Indices>
+    [[nodiscard]] static mesh_geometry build(const Vertices& vertices, const Indices& indices,
+                                             const mesh_settings& settings = {}) {
+        const char* f = "mesh_geometry::build";
+        if (!detail::check_count(f, "vertices", vertices) || !detail::check_count(f, "indices", indices)) return {};
+        const std::uint32_t count = detail::count_of(indices);
+        if (count % 3 != 0) {
+            refuse(f, "indices", static_cast<double>(count), "there must be three for each triangle");
+            return {};
+        }
+        return build(vertices.data(), detail::count_of(vertices), indices.data(), count / 3, settings);
+    }
+
     explicit operator bool() const { return data() != nullptr; }
     /// The shape, grown by a radius (m). It is good as long as this geometry, a copy of it or a world keeps it.
     [[nodiscard]] mesh<S, 3> shape(S radius = S(0)) const { return {data(), radius}; }

@@ -68,6 +68,13 @@ public:
         return tile_grid_geometry(detail::scoped([&] { return built(cells, columns, rows, cell_size); }));
     }
 
+    template <array_of<std::uint8_t> Cells>
+    [[nodiscard]] static tile_grid_geometry build(const Cells& cells, std::uint32_t columns, std::uint32_t rows,
+                                                  S cell_size) {
+        if (!detail::check_grid("tile_grid_geometry::build", "cells", cells, columns, rows)) return {};
+        return build(cells.data(), columns, rows, cell_size);
+    }
+
     explicit operator bool() const { return data() != nullptr; }
     /// The shape, grown by a radius (m). It is good as long as this geometry, a copy of it or a world keeps it.
     [[nodiscard]] tile_grid<S, 2> shape(S radius = S(0)) const { return {data(), radius}; }

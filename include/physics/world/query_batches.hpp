@@ -36,17 +36,13 @@ void run_batch(const char* function, const Query* queries, std::uint32_t count, 
 /// Calls f(queries, count, hits) if the lists are long enough and check(query) is true of each query.
 template <class Queries, class Hits, class Check, class F>
 void with_batch(const char* function, const Queries& queries, Hits& hits, Check&& check, F&& f) {
-    const auto size = queries.size(), room = hits.size();
-    if (!(size < 0xffffffffu)) {
-        refuse(function, "queries", static_cast<double>(size), "there may be 4,294,967,294 at most");
-        return;
-    }
-    if (room < size) {
-        refuse(function, "hits", static_cast<double>(room), "there must be one for each query");
+    if (!check_count(function, "queries", queries)) return;
+    if (hits.size() < queries.size()) {
+        refuse(function, "hits", static_cast<double>(hits.size()), "there must be one for each query");
         return;
     }
     const auto* const first = queries.data();
-    const auto count = static_cast<std::uint32_t>(size);
+    const std::uint32_t count = count_of(queries);
     for (std::uint32_t i = 0; i < count; ++i)
         if (!check(first[i])) return;
     f(first, count, hits.data());

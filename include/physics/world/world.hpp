@@ -111,11 +111,11 @@ public:
     }
     /// Removes several at once, and wakes what slept on them in one pass. Refused where one is listed twice.
     void destroy_bodies(const body_id* ids, std::uint32_t count) { code::destroy_bodies(data_, ids, count); }
-    template <class Ids>
-    void destroy_bodies(const Ids& ids) requires requires {
-        ids.data(), ids.size();
+    template <array_of<body_id> Ids>
+    void destroy_bodies(const Ids& ids) {
+        if (detail::check_count("destroy_bodies", "ids", ids))
+            code::destroy_bodies(data_, ids.data(), detail::count_of(ids));
     }
-    { code::destroy_bodies(data_, ids.data(), static_cast<std::uint32_t>(ids.size())); }
     /// Removes all bodies with all that they have; settings and the number of steps stay. O(shapes + contacts).
     void clear() { code::clear(data_); }
     /// Makes a point the origin: all that is in the world, static bodies too, comes to lie so much nearer or farther,
