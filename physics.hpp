@@ -18357,6 +18357,13 @@ public:
         return count;
     }
 
+    /// Calls f(box) for the boxes of what the index is made of, in double, where it has such: to draw them.
+    template <class F>
+    void each_node(F&& f) const requires requires(const Index& i) {
+        i.each_node(f);
+    }
+    { index_.each_node(f); }
+
     /// All members, see base/members.hpp: of an index that names its own, or has none.
     template <class Self, class F>
         requires(detail::names_members<Index> || std::is_empty_v<Index>)
@@ -20124,6 +20131,13 @@ public:
         return sum;
     }
 
+    /// Calls f(box) for the boxes around eights, and eights of these, and so on.
+    template <class F>
+    void each_node(F&& f) const {
+        for (int level = 1; level < levels_; ++level)
+            for (std::uint32_t n = 0; n < nodes_at(level - 1); ++n) f(node(level, n / 8).get(n % 8));
+        if (levels_ > 0) f(around());
+    }
     /// Calls visit(leaf, lanes) for each leaf from `first` on that has boxes within reach of the test: test(block)
     /// says which of eight boxes are, and must say so of a box around any that is.
     template <class Test, class Visit>
@@ -20337,6 +20351,22 @@ public:
                     0, [&](const auto& block) { return ++count, block.overlapping(reach); },
                     [](std::uint32_t, std::uint32_t) {});
         return count;
+    }
+    /// Calls f(box) for the boxes of the trees' nodes, in double: to draw them.
+    template <class F>
+    void each_node(F&& f) const {
+        const auto give = [&](const float_box<D>& box) {
+            aabb<double, D> in_world;
+            for (int i = 0; i < D; ++i) {
+                const double from = static_cast<double>(origin_[i]);
+                in_world.lower[i] = static_cast<double>(box.lower[i]) + from;
+                in_world.upper[i] = static_cast<double>(box.upper[i]) + from;
+            }
+            // One that has lost all that was in it is inside out.
+            if (!(box.lower[0] > box.upper[0])) f(in_world);
+        };
+        for (const kind& k : kinds_)
+            for (const tree* t : {&k.main, &k.staging}) t->each_node(give);
     }
     /// Calls visit(id) for every proxy whose box may overlap this one, until it returns false; `movable` says whether
     /// those that move are wanted as well.
@@ -42451,8 +42481,11 @@ struct debug_draw_options {
     S impulse_scale = S(0.1);
     /// From the centres of both bodies to where the joint acts.
     bool joints = true;
-    /// Boxes of shapes, with what of the contact margin they are grown by.
+    /// Boxes of shapes, and of the nodes of the broadphase's tree, where it has one.
     bool boxes = false;
+    bool tree = false;
+    /// Dynamic bodies have a colour for each island, awake or asleep.
+    bool islands = false;
     /// Centres of mass and axes of bodies; their velocities, so long for 1 m/s (m).
     bool frames = false;
     bool velocities = false;
@@ -42466,7 +42499,7 @@ struct debug_draw_options {
 
     debug_color of_static{128, 128, 128}, of_kinematic{64, 128, 255}, of_awake{255, 176, 64}, of_asleep{112, 96, 80},
         of_disabled{64, 64, 64}, of_sensor{96, 208, 96}, of_contact{255, 64, 64}, of_normal{255, 224, 64},
-        of_joint{208, 96, 208}, of_box{96, 96, 160}, of_velocity{96, 224, 224};
+        of_joint{208, 96, 208}, of_box{96, 96, 160}, of_tree{72, 72, 104}, of_velocity{96, 224, 224};
 
 private:
     static constexpr aabb<S, D> everything() {
@@ -42488,6 +42521,8 @@ public:
     debug_pen(const World& w, Renderer& to, const options_type& with) : w_(w), to_(to), with_(with) {}
 
     void draw() {
+        if (with_.islands) list_islands();
+        if (with_.tree) draw_tree();
         for (const body_id b : w_.bodies()) draw_body(b);
         if constexpr (!std::same_as<joint_list, joints<>>)
             if (with_.joints)
@@ -42514,8 +42549,44 @@ private:
         switch (w_.type(b)) {
             case body_type::static_body: return with_.of_static;
             case body_type::kinematic_body: return with_.of_kinematic;
-            default: return w_.is_asleep(b) ? with_.of_asleep : with_.of_awake;
+            default: break;
         }
+        if (with_.islands) return island_color(b.index);
+        return w_.is_asleep(b) ? with_.of_asleep : with_.of_awake;
+    }
+    /// Names each island by its body of the least number.
+    void list_islands() {
+        constexpr std::uint32_t none = null_index;
+        for (const body_id b : w_.bodies()) {
+            if (b.index >= island_.size()) island_.resize(b.index + 1, none);
+            if (island_[b.index] != none || w_.type(b) != body_type::dynamic_body) continue;
+            for (const body_id other : w_.island(b)) {
+                if (other.index >= island_.size()) island_.resize(other.index + 1, none);
+                island_[other.index] = b.index;
+            }
+        }
+    }
+    /// Bright, and of neighbouring numbers far apart.
+    [[nodiscard]] debug_color island_color(std::uint32_t body) const {
+        const std::uint32_t mixed = island_[body] * 2654435769u;
+        const auto shade = [&](unsigned shift) { return static_cast<std::uint8_t>(96 + (mixed >> shift) % 160); };
+        return {shade(4), shade(13), shade(22)};
+    }
+    void draw_tree() {
+        const auto& broadphase = world_access::state_of(w_).broadphase;
+        // Of fixed point the range in double may be rounded up.
+        const double far = to_double(scalar_traits<S>::max()) * (1 - 0x1p-24);
+        const auto draw_node = [&](const aabb<double, D>& node) {
+            point<D> low, high;
+            for (int i = 0; i < D; ++i) {
+                low[i] = max(node.lower[i], max(to_double(with_.view.lower[i]), -far));
+                high[i] = min(node.upper[i], min(to_double(with_.view.upper[i]), far));
+                if (low[i] > high[i]) return;
+            }
+            color_ = with_.of_tree;
+            box_lines(high * 0.5 - low * 0.5, mat<double, D>::identity(), high * 0.5 + low * 0.5);
+        };
+        if constexpr (requires { broadphase.each_node(draw_node); }) broadphase.each_node(draw_node);
     }
     void line(const point<D>& a, const point<D>& b) { to_.line(from_point<S>(a), from_point<S>(b), color_); }
 
@@ -42723,13 +42794,15 @@ private:
     Renderer& to_;
     const options_type& with_;
     debug_color color_;
+    /// Of each body by number.
+    buffer<std::uint32_t> island_;
 };
 
 }  // namespace detail
 
 /// Draws a world by calls of renderer.point(at, color) and renderer.line(from, to, color), and, where it has that,
 /// renderer.text(at, characters, color), with vectors of the world. Refuses fewer than 3 sides. Reads only. O(bodies +
-/// shapes + contacts + joints).
+/// shapes + contacts + joints), with islands O(bodies / 64) for each island more.
 template <class World, class Renderer>
 void debug_draw(const World& w, Renderer&& renderer,
                 const debug_draw_options<typename World::scalar, World::dimension>& with = {}) {

@@ -183,5 +183,50 @@ CELL_CASE("drawing: contacts, joints, boxes, frames, velocities and numbers are 
     refuses(plain, "debug_draw", "sides", "2", [&] { debug_draw(plain, none, {.sides = 2}); });
 }
 
+CELL_CASE("drawing: islands have a colour each, asleep too, and the boxes of the tree hold all shapes") {
+    world w{world::settings_type{.gravity = along(1, -10)}};
+    w.create_shape(w.create_body({.type = body_type::static_body}), world::box{vec::filled(S(0.5))});
+    std::vector<body_id> bodies;
+    for (int i = 0; i < 40; ++i) {
+        // Pairs that lie on each other.
+        const bool upper = i % 2 == 1;
+        bodies.push_back(w.create_body({.position = at(3.0 * (i / 2) + 2, upper ? 1.5 : 0.5)}));
+        w.create_shape(bodies.back(), world::box{vec::filled(S(0.5))});
+    }
+    const body_id floor = w.create_body({.type = body_type::static_body});
+    w.create_shape(floor, world::halfspace{});
+    for (const int steps : {5, 200}) {
+        for (int i = 0; i < steps; ++i) w.step(S(1.0 / 60));
+        CHECK(w.is_asleep(bodies[0]) == (steps == 200));
+        std::map<std::tuple<int, int, int>, int> colors;
+        for (const body_id b : bodies) {
+            pen one;
+            options with{.islands = true};
+            with.view = {w.position(b) - vec::filled(S(0.25)), w.position(b) + vec::filled(S(0.25))};
+            debug_draw(w, one, with);
+            REQUIRE(!one.lines.empty());
+            const debug_color c = one.lines[0].color;
+            ++colors[{c.red, c.green, c.blue}];
+        }
+        CHECK(colors.size() == 20);
+        for (const auto& [color, count] : colors) CHECK(count == 2);
+    }
+    pen drawn;
+    const options with{.shapes = false, .joints = false, .tree = true};
+    debug_draw(w, drawn, with);
+    CHECK(drawn.strokes(with.of_tree) == static_cast<long>(drawn.lines.size()));
+    for (const body_id b : bodies) {
+        bool left = false, right = false;
+        for (const auto& l : drawn.lines) {
+            left = left || l.from.x <= w.position(b).x - S(0.5);
+            right = right || l.from.x >= w.position(b).x + S(0.5);
+        }
+        CHECK((left && right));
+    }
+    // More than one node, fewer than shapes.
+    CHECK(drawn.lines.size() > 2 * (cell::is_2d ? 4 : 12));
+    CHECK(drawn.lines.size() < 40 * (cell::is_2d ? 4 : 12));
+}
+
 }  // namespace drawing_laws
 }  // namespace

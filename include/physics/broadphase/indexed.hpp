@@ -243,6 +243,13 @@ public:
         return count;
     }
 
+    /// Calls f(box) for the boxes of what the index is made of, in double, where it has such: to draw them.
+    template <class F>
+    void each_node(F&& f) const requires requires(const Index& i) {
+        i.each_node(f);
+    }
+    { index_.each_node(f); }
+
     /// All members, see base/members.hpp: of an index that names its own, or has none.
     template <class Self, class F>
         requires(detail::names_members<Index> || std::is_empty_v<Index>)

@@ -139,6 +139,13 @@ public:
         return sum;
     }
 
+    /// Calls f(box) for the boxes around eights, and eights of these, and so on.
+    template <class F>
+    void each_node(F&& f) const {
+        for (int level = 1; level < levels_; ++level)
+            for (std::uint32_t n = 0; n < nodes_at(level - 1); ++n) f(node(level, n / 8).get(n % 8));
+        if (levels_ > 0) f(around());
+    }
     /// Calls visit(leaf, lanes) for each leaf from `first` on that has boxes within reach of the test: test(block)
     /// says which of eight boxes are, and must say so of a box around any that is.
     template <class Test, class Visit>

@@ -113,6 +113,22 @@ public:
                     [](std::uint32_t, std::uint32_t) {});
         return count;
     }
+    /// Calls f(box) for the boxes of the trees' nodes, in double: to draw them.
+    template <class F>
+    void each_node(F&& f) const {
+        const auto give = [&](const float_box<D>& box) {
+            aabb<double, D> in_world;
+            for (int i = 0; i < D; ++i) {
+                const double from = static_cast<double>(origin_[i]);
+                in_world.lower[i] = static_cast<double>(box.lower[i]) + from;
+                in_world.upper[i] = static_cast<double>(box.upper[i]) + from;
+            }
+            // One that has lost all that was in it is inside out.
+            if (!(box.lower[0] > box.upper[0])) f(in_world);
+        };
+        for (const kind& k : kinds_)
+            for (const tree* t : {&k.main, &k.staging}) t->each_node(give);
+    }
     /// Calls visit(id) for every proxy whose box may overlap this one, until it returns false; `movable` says whether
     /// those that move are wanted as well.
     template <class Visit>
