@@ -32688,6 +32688,7 @@ struct user_values {
     buffer<T> list;
     PHYSICS_HPP_MEMBERS(list)
 
+    void reserve(std::uint32_t count) { list.reserve(count); }
     /// Makes room for a number, and begins anew there.
     void start(std::uint32_t i) {
         if (i >= list.size()) list.resize(i + 1);
@@ -32696,6 +32697,7 @@ struct user_values {
 };
 template <class Of>
 struct user_values<Of, no_user_type> {
+    void reserve(std::uint32_t) {}
     void start(std::uint32_t) {}
 };
 
@@ -32807,6 +32809,12 @@ struct sleep_state {
     [[no_unique_address]] std::conditional_t<Plan::events::sleep, sleep_changes, no_changes> changes;
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return island_next[body] != no_sleeper; }
+    void reserve(std::uint32_t bodies) {
+        sleep_time.reserve(bodies);
+        sleep_anchor.reserve(bodies);
+        carried_from.reserve(bodies);
+        island_next.reserve(bodies);
+    }
     /// A body has come, awake.
     void start(std::uint32_t body, vec<S, D> center) {
         if (body >= island_next.size()) {
@@ -38467,6 +38475,17 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// Makes room for one body more, so that nothing fails once it is there.
+template <class Plan>
+void reserve_body(world_data<Plan>& s) {
+    const std::uint32_t slots = s.bodies.slots() + 1;
+    s.bodies.reserve(slots);
+    s.contact_starts.reserve(slots);
+    s.body_values.reserve(slots);
+    if constexpr (Plan::sleeps) s.sleep.reserve(slots);
+    if constexpr (Plan::has_joints) s.joints.first.reserve(slots);
+    if constexpr (Plan::is_continuous) s.continuous.extents.reserve(slots);
+}
 template <class Plan>
 body_id create_body(world_data<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
     if (!check_not_in_step(s, "create_body") || !check_body(def) ||
@@ -38490,6 +38509,7 @@ body_id create_body(world_data<Plan>& s, const body_def<typename Plan::scalar, P
     b.can_sleep = def.can_sleep;
     b.continuous = def.continuous;
     b.user_data = def.user_data;
+    reserve_body(s);
     const auto place = s.bodies.insert(b);
     if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
     s.contact_starts.resize(s.bodies.slots());

@@ -268,6 +268,37 @@ TEST_CASE_TEMPLATE_DEFINE("allocations: none to save and to restore where there 
     CHECK(fresh.state_hash() == p.arena.state_hash());
 }
 
+TEST_CASE_TEMPLATE_DEFINE("allocations: a body that finds no memory is refused, and the world as it was", Recipe,
+                          bodies) {
+    using world = physics::world<Recipe>;
+    playground<Recipe> p(true);
+    p.play(30);
+    // A copy has no room to spare.
+    const world from = p.arena;
+    world expected = from;
+    expected.create_body();
+    expected.step(typename world::scalar(1.0 / 64));
+    int refused = 0;
+    for (bool is_done = false; !is_done;) {
+        world w = from;
+        calls_until_refused = refused;
+        try {
+            w.create_body();
+            is_done = true;
+        } catch (const physics::error&) {
+            ++refused;
+        }
+        calls_until_refused = -1;
+        CHECK(w.body_count() == from.body_count() + is_done);
+        if (is_done) break;
+        CHECK(w.state_hash() == from.state_hash());
+        w.create_body();
+        w.step(typename world::scalar(1.0 / 64));
+        CHECK(w.state_hash() == expected.state_hash());
+    }
+    CHECK(refused > 4);
+}
+
 template <class Broadphase, class S, int D>
 void moves_in_place() {
     using space = physics::space<S, D>;
@@ -313,6 +344,7 @@ TEST_CASE_TEMPLATE("allocations: none in searches of a broadphase that earlier o
 }
 
 TEST_CASE_TEMPLATE_INVOKE(steps, cell<float, 2>, cell<float, 3>, cell<fixed32, 2>, others);
+TEST_CASE_TEMPLATE_INVOKE(bodies, cell<float, 2>, cell<fixed32, 3>);
 TEST_CASE_TEMPLATE_INVOKE(snapshots, cell<float, 2>, cell<float, 3>, cell<fixed32, 2>, others);
 TEST_CASE_TEMPLATE_INVOKE(rest, cell<float, 2>, cell<float, 3>, cell<fixed32, 2>);
 

@@ -108,6 +108,12 @@ struct sleep_state {
     [[no_unique_address]] std::conditional_t<Plan::events::sleep, sleep_changes, no_changes> changes;
 
     [[nodiscard]] bool is_asleep(std::uint32_t body) const { return island_next[body] != no_sleeper; }
+    void reserve(std::uint32_t bodies) {
+        sleep_time.reserve(bodies);
+        sleep_anchor.reserve(bodies);
+        carried_from.reserve(bodies);
+        island_next.reserve(bodies);
+    }
     /// A body has come, awake.
     void start(std::uint32_t body, vec<S, D> center) {
         if (body >= island_next.size()) {

@@ -33,6 +33,7 @@ struct user_values {
     buffer<T> list;
     PHYSICS_HPP_MEMBERS(list)
 
+    void reserve(std::uint32_t count) { list.reserve(count); }
     /// Makes room for a number, and begins anew there.
     void start(std::uint32_t i) {
         if (i >= list.size()) list.resize(i + 1);
@@ -41,6 +42,7 @@ struct user_values {
 };
 template <class Of>
 struct user_values<Of, no_user_type> {
+    void reserve(std::uint32_t) {}
     void start(std::uint32_t) {}
 };
 

@@ -7,6 +7,17 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// Makes room for one body more, so that nothing fails once it is there.
+template <class Plan>
+void reserve_body(world_data<Plan>& s) {
+    const std::uint32_t slots = s.bodies.slots() + 1;
+    s.bodies.reserve(slots);
+    s.contact_starts.reserve(slots);
+    s.body_values.reserve(slots);
+    if constexpr (Plan::sleeps) s.sleep.reserve(slots);
+    if constexpr (Plan::has_joints) s.joints.first.reserve(slots);
+    if constexpr (Plan::is_continuous) s.continuous.extents.reserve(slots);
+}
 template <class Plan>
 body_id create_body(world_data<Plan>& s, const body_def<typename Plan::scalar, Plan::dimension>& def) {
     if (!check_not_in_step(s, "create_body") || !check_body(def) ||
@@ -30,6 +41,7 @@ body_id create_body(world_data<Plan>& s, const body_def<typename Plan::scalar, P
     b.can_sleep = def.can_sleep;
     b.continuous = def.continuous;
     b.user_data = def.user_data;
+    reserve_body(s);
     const auto place = s.bodies.insert(b);
     if constexpr (Plan::sleeps) s.sleep.start(place.index, b.center);
     s.contact_starts.resize(s.bodies.slots());
