@@ -156,6 +156,37 @@ CELL_CASE("removal: contacts that are left are those of what is left, also where
             for (const auto& c : w.contacts()) CHECK((w.contains(c.shape_a) && w.contains(c.shape_b)));
         }
 }
+struct told : physics::recipe<S, cell::dimension, physics::events<physics::event::contact>> {};
+CELL_CASE("removal: contacts of what is destroyed end once, whatever is done to what comes under its number") {
+    for (const bool by_type : {false, true}) {
+        physics::world<told> w{{.gravity = along(1, -10)}};
+        w.create_shape(w.create_body({.type = body_type::static_body}), world::halfspace{});
+        const body_id first = w.create_body({.position = at(0, 0.5), .can_sleep = false});
+        const shape_id ball = w.create_shape(first, world::ball{S(0.5)});
+        w.step(S(1.0 / 64));
+        REQUIRE(w.contact_begin_events().size() == 1);
+        w.destroy_body(first);
+        const body_id next = w.create_body({.position = at(0, 0.5)});
+        const shape_id other = w.create_shape(next, world::ball{S(0.5)});
+        REQUIRE(other.index == ball.index);
+        CHECK(w.contacts().size() + w.contacts(next).size() == 0);
+        // There and back, so that the step finds it touching.
+        if (by_type) {
+            w.set_type(next, body_type::static_body);
+            w.set_type(next, body_type::dynamic_body);
+        } else {
+            w.set_filter(other, {.mask = 0});
+            w.set_filter(other, {});
+        }
+        w.step(S(1.0 / 64));
+        REQUIRE(w.contact_end_events().size() == 1);
+        CHECK((w.contact_end_events()[0].shape_b == ball && w.contact_end_events()[0].gone));
+        REQUIRE(w.contact_begin_events().size() == 1);
+        CHECK(w.contact_begin_events()[0].shape_b == other);
+        w.step(S(1.0 / 64));
+        CHECK(w.contact_end_events().size() + w.contact_begin_events().size() == 0);
+    }
+}
 CELL_CASE("removal: a world that has been cleared is empty and serves again") {
     for (const int steps : {0, 300}) {
         warehouse<world> of(steps);

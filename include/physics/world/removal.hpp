@@ -14,7 +14,9 @@ void drop_contacts(world_data<Plan>& s, Gone&& gone) {
     partition_contacts(
         s.contacts, [&](const auto& c) { return !gone(c); },
         [&]([[maybe_unused]] const auto& c) {
-            if constexpr (Plan::events::contacts) note_dropped<Plan>(c, s.bodies, s.shapes, s.dropped.list);
+            // What is removed has been noted, and others may bear the numbers by now.
+            if constexpr (Plan::events::contacts)
+                if (!s.removed.in(c)) note_dropped<Plan>(c, s.bodies, s.shapes, s.dropped.list);
         });
     s.step.contacts_of.is_stale = true;
 }
