@@ -15,8 +15,7 @@ namespace detail {
 /// Movable proxies and those that are not live in trees of their own, and each kind in two: a main tree, in which
 /// boxes that move keep their places, and a young one for what came or strayed from its neighbours, packed anew with
 /// every change. Once the main tree has grown by a fifth, or an eighth of all is young, everything goes into a new
-/// main tree. What has just come or strayed waits in a
-/// tail, searched eight by eight.
+/// main tree. What has just come or strayed waits in a tail, searched eight by eight.
 template <class Space>
 class tree_index {
 public:
