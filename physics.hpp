@@ -288,6 +288,12 @@ private:
     char text_[256];
 };
 
+/// A call that was refused since there is no memory for it.
+class out_of_memory : public error {
+public:
+    using error::error;
+};
+
 /// Called with every refused call in builds without exceptions.
 using error_handler = void (*)(const error&);
 
@@ -329,6 +335,36 @@ PHYSICS_HPP_COLD inline bool refuse(const char* function, const char* field, dou
     std::snprintf(text, sizeof text, "%.9g", value);
     // Some systems write nan with a sign.
     return refuse(function, field, value != value ? "nan" : text, rule);
+}
+
+/// There is no memory for so many bytes, or for some if that is 0: throws out_of_memory, or calls the handler and
+/// aborts where exceptions are off, as nothing can go on without it.
+[[noreturn]] PHYSICS_HPP_COLD inline void refuse_memory(const char* function, double bytes) {
+    char text[40] = "too little";
+    if (bytes > 0) std::snprintf(text, sizeof text, "%.9g", bytes);
+    const char* rule = "the bytes are not available";
+#if PHYSICS_HPP_EXCEPTIONS
+    throw out_of_memory(function, "memory", text, rule);
+#else
+    current_error_handler()(out_of_memory(function, "memory", text, rule));
+    std::abort();
+#endif
+}
+/// Calls f, which may fail for want of memory alone: says whether it has not.
+template <class F>
+bool run_if_memory_lasts(F&& f) {
+#if PHYSICS_HPP_EXCEPTIONS
+    try {
+        f();
+    } catch (const out_of_memory&) {
+        return false;
+    } catch (const std::bad_alloc&) {
+        return false;
+    }
+#else
+    f();
+#endif
+    return true;
 }
 
 /// The same for a component of a field, such as ".x" of "position".
@@ -407,18 +443,16 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 /// Twice the capacity of a block of values of that size, or what is needed; one function for the buffers of all types.
-PHYSICS_HPP_COLD inline void* reallocate(void* data, std::uint32_t& capacity, std::uint64_t needed, std::size_t size) {
+/// Where there is no memory, refused if it is needed, else null.
+PHYSICS_HPP_COLD inline void* reallocate(void* data, std::uint32_t& capacity, std::uint64_t needed, std::size_t size,
+                                         bool must) {
     const std::uint64_t maximum = UINT32_MAX < SIZE_MAX / size ? UINT32_MAX : SIZE_MAX / size;
     std::uint64_t count = capacity < 8 ? 16 : std::uint64_t{capacity} * 2;
     if (count < needed) count = needed;
     if (count > maximum && needed <= maximum) count = maximum;
     void* grown = count > maximum ? nullptr : std::realloc(data, static_cast<std::size_t>(count) * size);
-    if (grown == nullptr) {
-        // Nothing can go on without the memory, so a handler that returns must not reach the caller.
-        refuse("buffer", "memory", static_cast<double>(count) * static_cast<double>(size),
-               "the bytes are not available");
-        std::abort();
-    }
+    if (grown == nullptr && !must) return nullptr;
+    if (grown == nullptr) refuse_memory("buffer", static_cast<double>(count) * static_cast<double>(size));
     capacity = static_cast<std::uint32_t>(count);
     return grown;
 }
@@ -472,6 +506,13 @@ public:
     void reserve(std::uint32_t capacity) {
         if (capacity > capacity_) grow_to(capacity);
     }
+    /// False where there is no memory for so many, and it is not needed.
+    [[nodiscard]] bool try_reserve(std::uint32_t capacity, bool must) {
+        if (capacity <= capacity_) return true;
+        void* const grown = detail::reallocate(data_, capacity_, capacity, sizeof(T), must);
+        if (grown != nullptr) data_ = static_cast<T*>(grown);
+        return grown != nullptr;
+    }
     /// Adds a copy of value at the end; the value may lie within the buffer.
     T& push_back(const T& value) {
         if (size_ == capacity_) return push_back_grown(value);
@@ -509,7 +550,7 @@ private:
     }
 
     PHYSICS_HPP_COLD void grow_to(std::uint64_t needed) {
-        data_ = static_cast<T*>(detail::reallocate(data_, capacity_, needed, sizeof(T)));
+        data_ = static_cast<T*>(detail::reallocate(data_, capacity_, needed, sizeof(T), true));
     }
 
     T* data_ = nullptr;
@@ -716,11 +757,9 @@ private:
     PHYSICS_HPP_COLD void add_block(std::size_t bytes) {
         std::size_t size = blocks_.empty() ? 4096 : blocks_.back().size * 2;
         if (size < bytes + alignment) size = bytes + alignment;
+        blocks_.reserve(blocks_.size() + 1);
         void* memory = std::malloc(size);
-        if (memory == nullptr) {
-            detail::refuse("arena", "memory", static_cast<double>(size), "the bytes are not available");
-            std::abort();
-        }
+        if (memory == nullptr) detail::refuse_memory("arena", static_cast<double>(size));
         blocks_.push_back({static_cast<unsigned char*>(memory), size});
         used_ = start(blocks_.back());
     }
@@ -747,6 +786,8 @@ public:
     void grow(std::uint32_t size) {
         if ((size + 63) / 64 > words_.size()) words_.resize((size + 63) / 64, 0);
     }
+    /// Takes the memory for that.
+    void reserve(std::uint32_t size) { words_.reserve((size + 63) / 64); }
     /// Makes all bits clear, and takes their room.
     void clear() { words_.clear(); }
     [[nodiscard]] bool empty() const { return words_.empty(); }
@@ -3933,7 +3974,9 @@ public:
             return;
         }
         const float_control_scope control;
-        call_(f_, task, worker);
+        // No exception leaves a worker.
+        if (!detail::run_if_memory_lasts([&] { call_(f_, task, worker); }) && out_of_memory_ != nullptr)
+            set(*out_of_memory_);
         if (done_ != nullptr) note(task, ended);
     }
 
@@ -3953,9 +3996,19 @@ private:
 #endif
     }
 
+    static void set(unsigned char& flag) {
+#if defined(__GNUC__)
+        __atomic_store_n(&flag, static_cast<unsigned char>(1), __ATOMIC_RELEASE);
+#else
+        flag = 1;
+#endif
+    }
+
     void* f_;
     void (*call_)(void*, std::uint32_t, std::uint32_t);
     unsigned char* done_;
+    /// Set where a task finds no memory.
+    unsigned char* out_of_memory_ = nullptr;
     std::uint32_t task_count_, workers_;
 };
 
@@ -4088,6 +4141,12 @@ private:
 
     /// What the executor leaves out is done here, so that no stage finds anything half made before the step is refused.
     PHYSICS_HPP_COLD void run_on_executor(task_set tasks) {
+        unsigned char lacks = 0;
+        tasks.out_of_memory_ = &lacks;
+        run_noted(tasks);
+        if (lacks != 0) refuse_memory("step", 0);
+    }
+    void run_noted(task_set& tasks) {
         const std::uint32_t count = tasks.task_count_;
         // Our pool calls every part, once; to note it would take workers a look at each other's notes.
         if (is_own_pool_) return run_(executor_, count, tasks);
@@ -5464,11 +5523,7 @@ Block* new_geometry(std::size_t bytes) {
     static_assert(std::is_base_of_v<geometry_block, Block> && std::is_trivially_destructible_v<Block> &&
                   alignof(Block) <= geometry_block::alignment);
     void* memory = std::calloc(bytes + geometry_block::alignment, 1);
-    if (memory == nullptr) {
-        // As for buffers: without the memory nothing can continue.
-        refuse("geometry", "memory", static_cast<double>(bytes), "the bytes are not available");
-        std::abort();
-    }
+    if (memory == nullptr) refuse_memory("geometry", static_cast<double>(bytes));
     const std::uintptr_t place = reinterpret_cast<std::uintptr_t>(memory);
     const std::uintptr_t ahead = geometry_block::alignment - place % geometry_block::alignment;
     Block* block = new (static_cast<void*>(static_cast<unsigned char*>(memory) + ahead)) Block;
@@ -17717,17 +17772,26 @@ public:
     [[nodiscard]] const buffer<std::uint32_t>& changed() const { return changed_; }
     /// Those that left their box since the index last heard of it, once each.
     [[nodiscard]] const buffer<std::uint32_t>& dirty_for_index() const { return unseen_; }
+    [[nodiscard]] bool dirty_for_index(std::uint32_t id) const { return entries_[id].dirty_for_index; }
     void flush_to_index() {
         for (const std::uint32_t id : unseen_) entries_[id].dirty_for_index = false;
         unseen_.clear();
     }
 
+    /// Takes the memory for whatever happens to proxies of numbers below `slots`: nothing else here takes any then.
+    PHYSICS_HPP_NOINLINE void reserve(std::uint32_t slots) {
+        entries_.reserve(slots);
+        boxes_.reserve(slots);
+        used_.grow(slots);
+        stale_.grow(slots);
+        changed_.reserve(slots);
+        unseen_.reserve(slots);
+    }
     void insert(std::uint32_t id, const aabb& box, const proxy_filter& filter) {
+        reserve(id < entries_.size() ? entries_.size() : id + 1);
         if (id >= entries_.size()) {
             entries_.resize(id + 1);
             boxes_.resize(id + 1);
-            used_.grow(id + 1);
-            stale_.grow(id + 1);
         }
         entries_[id].filter = filter;
         used_.set(id);
@@ -17751,6 +17815,7 @@ public:
     }
     /// Gives a proxy a new box around this one, wider on the way ahead.
     void move(std::uint32_t id, const aabb& box, const vec& displacement) {
+        reserve(entries_.size());
         boxes_[id] = with_margin(box);
         for (int i = 0; i < D; ++i) {
             // No farther than the box is wide: a teleport is no velocity.
@@ -17918,6 +17983,10 @@ public:
         begun_.clear();
         ended_.clear();
         if (found.size() == 0 && all.changed().empty()) return;
+        // All memory first, so that pairs are not left half changed.
+        begun_.reserve(found.size());
+        ended_.reserve(pairs_.size());
+        pairs_.reserve(pairs_.size() + found.size());
         const std::uint64_t* now = found.sorted();
         const std::uint64_t* const end = now + found.size();
         std::uint32_t left = 0, added = 0;
@@ -18135,6 +18204,10 @@ PHYSICS_HPP_BEGIN
 ///                                     all.may_meet(a, b)
 ///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false; or, of an index
 ///                                     that keeps them itself, visit(candidate) with filter and box
+///   end_search()                      where it has this: what find emitted has been taken in
+///   reserve(all, slots, changes)      where it has this: takes the memory for so many changes of proxies of numbers
+///                                     below `slots`, and the update after them. An index without it that finds no
+///                                     memory is made anew by the next update, and queries are refused until then
 /// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index),
 /// each_near(all, box, visit, movable), which leaves out what moves if false, and each_member(self, f), for snapshots
 /// of worlds (see base/members.hpp).
@@ -18157,19 +18230,28 @@ public:
     /// Whether a proxy in this box keeps within its margins, so that moving it there changes nothing.
     [[nodiscard]] bool holds(std::uint32_t id, const aabb& box) const { return all_.has(id) && all_.holds(id, box); }
 
+    /// Takes the memory for so many calls of insert, erase and move, of numbers below `slots`, and an update after
+    /// them: these find what they need then.
+    void reserve(std::uint32_t slots, std::uint32_t changes) {
+        if (slots < all_.size()) slots = all_.size();
+        all_.reserve(slots);
+        if constexpr (reserves) index_.reserve(all_, slots, changes);
+    }
     /// Adds a proxy under a number that is free. False where a call was refused and errors do not throw.
     bool insert(std::uint32_t id, const aabb& box, const proxy_filter& filter = {}) {
         const char* f = "insert";
         if (!query_scope_allows(f) || !check_box(f, box)) return false;
         if (id == detail::no_proxy || all_.has(id)) return refuse(f, "id", id, "it must not be in use");
+        reserve(id + 1, 1);
         all_.insert(id, box, filter);
-        index_.insert(all_, id);
+        change_index([&] { index_.insert(all_, id); });
         return true;
     }
     bool erase(std::uint32_t id) {
         const char* f = "erase";
         if (!query_scope_allows(f) || !check_id(f, id)) return false;
-        index_.erase(all_, id);
+        all_.reserve(all_.size());
+        change_index([&] { index_.erase(all_, id); });
         all_.erase(id);
         return true;
     }
@@ -18186,7 +18268,9 @@ public:
     /// Shows what has moved to queries.
     void update() {
         if (!query_scope_allows("update")) return;
-        index_.update(all_, all_.dirty_for_index().begin(), all_.dirty_for_index().size());
+        if constexpr (!reserves)
+            if (std::exchange(is_broken_, false)) change_index([&] { remake(); });
+        change_index([&] { index_.update(all_, all_.dirty_for_index().begin(), all_.dirty_for_index().size()); });
         all_.flush_to_index();
     }
 
@@ -18202,6 +18286,9 @@ public:
     const buffer<proxy_pair>& pairs(Accept&& accept, arena& scratch) {
         if (!query_scope_allows("pairs")) return pairs_.pairs();
         update();
+        if constexpr (!reserves)
+            if (is_broken_) remake();
+        is_broken_ = false;
         detail::pair_search found(all_.size(), scratch);
         const bool everything = index_.find(all_, [&](std::uint32_t a, std::uint32_t b) {
             if constexpr (!requires { requires Index::exact; })
@@ -18209,6 +18296,7 @@ public:
             if (accept(a < b ? a : b, a < b ? b : a)) found.add(a, b);
         });
         pairs_.finish(found, all_, everything);
+        if constexpr (requires { index_.end_search(); }) index_.end_search();
         all_.clear_dirty();
         return pairs_.pairs();
     }
@@ -18221,7 +18309,7 @@ public:
     /// bool, false ends the query. Unless movable is true, those that are may be left out, to save time.
     template <class Visit>
     void each_overlapping(const aabb& box, const query_filter& filter, Visit&& visit, bool movable = true) const {
-        if (!check_box("each_overlapping", box)) return;
+        if (!check_box("each_overlapping", box) || !can_search("each_overlapping")) return;
         const detail::query_scope scope(this);
         const auto see = [&](const auto& at) {
             const auto& c = all_.candidate_at(at);
@@ -18255,6 +18343,7 @@ public:
             if (!detail::check_finite("each_inside", "normal", planes[i].normal) ||
                 !detail::check_finite("each_inside", "offset", planes[i].offset))
                 return;
+        if (!can_search("each_inside")) return;
         const detail::query_scope scope(this);
         const auto see = [&](const auto& at) {
             const auto& c = all_.candidate_at(at);
@@ -18276,7 +18365,7 @@ public:
     /// translation up to which the ray goes on: hit.fraction for the closest, 1 for all, -1 to stop.
     template <class Visit>
     void each_along(const ray<S, D>& r, const query_filter& filter, Visit&& visit) const {
-        if (!check_ray("each_along", r)) return;
+        if (!check_ray("each_along", r) || !can_search("each_along")) return;
         const detail::query_scope scope(this);
         S limit = S(1);
         const auto see = [&](const auto& at) {
@@ -18329,7 +18418,8 @@ public:
     std::uint32_t nearest(const vec& point, S reach, const query_filter& filter, std::uint32_t* out,
                           std::uint32_t maximum) const {
         const char* f = "nearest";
-        if (!detail::check_finite(f, "point", point) || !detail::check_not_negative(f, "reach", reach) || maximum == 0)
+        if (!detail::check_finite(f, "point", point) || !detail::check_not_negative(f, "reach", reach) ||
+            maximum == 0 || !can_search(f))
             return 0;
         const detail::query_scope scope(this);
         std::uint32_t count = 0;
@@ -18368,8 +18458,8 @@ public:
     template <class Self, class F>
         requires(detail::names_members<Index> || std::is_empty_v<Index>)
     static void each_member(Self& self, F&& f) {
-        auto& [all, index, pairs, scratch] = self;
-        detail::call_with_each(f, all, index, pairs, scratch);
+        auto& [all, index, pairs, is_broken, scratch] = self;
+        detail::call_with_each(f, all, index, pairs, is_broken, scratch);
     }
 
 private:
@@ -18407,9 +18497,41 @@ private:
         const vec far = vec::filled(scalar_traits<S>::max());
         return {-far, far};
     }
+    /// Whether the index tells of the memory that it needs.
+    static constexpr bool reserves = requires(Index & i, const detail::proxies<Space>& all) { i.reserve(all, 0u, 0u); };
+    /// An index that finds no memory is made anew by the next update, from the proxies.
+    template <class F>
+    void change_index(F&& f) {
+        if constexpr (reserves) {
+            f();
+        } else if (!is_broken_) {
+            is_broken_ = true;
+            if (detail::run_if_memory_lasts(f)) is_broken_ = false;
+        }
+    }
+    void remake() {
+        index_ = Index();
+        // One by one: an index may look at all that are there when one comes.
+        detail::proxies<Space> came;
+        came.settings.margin = S(0);
+        for (std::uint32_t id = 0; id < all_.size(); ++id) {
+            if (!all_.has(id)) continue;
+            came.insert(id, all_.box(id), all_.filter(id));
+            index_.insert(came, id);
+        }
+        index_.update(all_, nullptr, 0);
+    }
+    bool can_search(const char* function) const {
+        if constexpr (reserves) return true;
+        else
+            return !is_broken_ ||
+                   detail::refuse(function, "index", "lost for want of memory", "update() or a step makes it anew");
+    }
+
     detail::proxies<Space> all_;
     Index index_;
     detail::pair_set pairs_;
+    bool is_broken_ = false;
     arena scratch_;
 };
 
@@ -19300,9 +19422,14 @@ public:
         leaves_.clear();
         above_.clear();
     }
-    void push_back(std::uint32_t id, const box& b) {
+    void reserve(std::uint32_t count) {
+        ids_.reserve(count);
+        leaves_.reserve((count + 7) / 8);
+        above_.reserve((count + 63) / 64);
+    }
+    PHYSICS_HPP_NOINLINE void push_back(std::uint32_t id, const box& b) {
         const std::uint32_t i = ids_.size();
-        // What may fail comes first.
+        reserve(i + 1);
         if (i % 64 == 0) add_empty(above_);
         if (i % 8 == 0) add_empty(leaves_);
         ids_.push_back(id);
@@ -20012,6 +20139,14 @@ public:
     using box = float_box<D>;
     static constexpr int max_levels = 11;
 
+    /// Takes the memory to be built of so many: false where there is none, and it is not needed.
+    [[nodiscard]] bool try_reserve(std::uint32_t count, bool must) {
+        const std::uint32_t leaves = (count + 7) / 8;
+        std::uint32_t total = leaves;
+        for (std::uint32_t n = leaves; n > 1; total += n) n = (n + 7) / 8;
+        return ids_.try_reserve(leaves * 8, must) && filters_.try_reserve(leaves * 8, must) &&
+               marks_.try_reserve(leaves, must) && nodes_.try_reserve(total, must);
+    }
     /// Holds the proxies of these items, in their order; box_at(i) gives the box of item i, filter_of(id) a filter.
     template <class Box, class Filter>
     void build(const packed_item* items, std::uint32_t count, Box&& box_at, Filter&& filter_of) {
@@ -20243,6 +20378,57 @@ private:
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/broadphase/tree_pairs.hpp
+// =================================================================================================
+// The pairs of boxes of two trees.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Where a tree is in the order of all trees, as seen from another one.
+enum class tree_order { before, same, after };
+
+/// The pairs of a marked box of x with a box of y; where y's is marked as well, from the side of the earlier leaf.
+template <int D, class Emit>
+void find_pairs(const packed_tree<D>& x, const packed_tree<D>& y, tree_order y_is, bool all_marked, Emit&& emit) {
+    if (!x.any_marked()) return;
+    for (std::uint32_t l = 0; l < x.leaves(); ++l) {
+        const std::uint32_t moved = x.marked(l);
+        if (moved == 0) continue;
+        const float_box<D> reach = moved == 0xffu ? x.around(l) : x.around(l, moved);
+        const auto& leaf = x.leaf(l);
+        y.search(
+            y_is == tree_order::same && all_marked ? l : 0, [&](const auto& block) { return block.overlapping(reach); },
+            [&](std::uint32_t m, std::uint32_t near) {
+                const auto& other = y.leaf(m);
+                const bool itself = y_is == tree_order::same && m == l;
+                const std::uint32_t twice =
+                    y_is == tree_order::after || (y_is == tree_order::same && m > l) ? 0 : y.marked(m);
+                if (itself) {
+                    each_bit(moved, [&](std::uint32_t i) {
+                        const std::uint32_t earlier = (moved & ((1u << i) - 1)) | 1u << i;
+                        each_bit(leaf.overlapping(leaf.get(i)) & ~earlier,
+                                 [&](std::uint32_t k) { emit(x, l * 8 + i, x, l * 8 + k); });
+                    });
+                    return;
+                }
+                near &= ~twice;
+                if (near == 0) return;
+                const std::uint32_t mine = moved & leaf.overlapping(y.around(m));
+                each_bit(mine, [&](std::uint32_t i) {
+                    each_bit(near & other.overlapping(leaf.get(i)),
+                             [&](std::uint32_t k) { emit(x, l * 8 + i, y, m * 8 + k); });
+                });
+            });
+    }
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/broadphase/tree_index.hpp
 // =================================================================================================
 // The index behind dynamic_tree: where boxes are, in trees that are packed anew as the boxes move.
@@ -20264,9 +20450,15 @@ public:
     using tree = packed_tree<D>;
     static constexpr bool exact = true;
 
+    /// Takes the memory for so many changes, of numbers below `slots`, and for the update after them.
+    void reserve(const table& all, std::uint32_t slots, std::uint32_t changes) {
+        places_.reserve(slots);
+        reserve_update(all.dirty_for_index().size() + changes);
+    }
     void insert(const table& all, std::uint32_t id) {
-        if (id >= places_.size()) places_.resize(id + 1);
         kind& k = kinds_[all.is_movable(id)];
+        k.unsorted.reserve(k.unsorted.size() + 1);
+        if (id >= places_.size()) places_.resize(id + 1);
         add_unsorted(all, k, id);
         pop_unsorted(all, k);
     }
@@ -20274,6 +20466,7 @@ public:
 
     /// Brings the trees up to date with the boxes of these proxies.
     void update(const table& all, const std::uint32_t* ids, std::uint32_t count) {
+        reserve_update(count);
         for (int m = 0; m < 2; ++m) {
             kind& k = kinds_[m];
             keys_.clear();
@@ -20285,7 +20478,8 @@ public:
                 else keys_.push_back(std::uint64_t{places_[id]} << 32 | id);
             }
             const std::uint32_t staging = k.staging.live() + k.unsorted.size(), live = k.main.live() + staging;
-            if (staging > live / 8 || (k.size > max_growth * k.packed_size && !keys_.empty())) {
+            if ((staging > live / 8 || (k.size > max_growth * k.packed_size && !keys_.empty())) &&
+                has_room(k.main, live, false)) {
                 pack_all(all, k);
                 if (m == 1) follow(all);
                 continue;
@@ -20295,7 +20489,7 @@ public:
                 for (std::uint32_t slot = 0; slot < k.main.leaves() * 8; ++slot) {
                     fetch_ahead(all, k.main, slot);
                     const std::uint32_t id = k.main.id(slot);
-                    if (id != no_proxy && all.stale(id)) place(all, k, id);
+                    if (id != no_proxy && all.stale(id) && all.dirty_for_index(id)) place(all, k, id);
                 }
             } else {
                 scratch_.resize(keys_.size());
@@ -20320,24 +20514,28 @@ public:
             emit_pair(a, b);
         };
         for (kind& k : kinds_)
-            if (!k.unsorted.empty()) pack_staging(all, k);
+            if (!k.unsorted.empty() && has_room(k.staging, k.staging.live() + k.unsorted.size(), true))
+                pack_staging(all, k);
         kind &fixed = kinds_[0], &movable = kinds_[1];
         bool everything = true;
         for (tree* x : {&movable.main, &movable.staging}) everything = everything && x->all_marked();
         for (tree* x : {&movable.main, &movable.staging}) {
             const bool first = x == &movable.main;
-            find_pairs(*x, movable.main, first ? same : before, everything, emit);
-            find_pairs(*x, movable.staging, first ? after : same, everything, emit);
-            find_pairs(*x, fixed.main, after, false, emit);
-            find_pairs(*x, fixed.staging, after, false, emit);
+            find_pairs(*x, movable.main, first ? tree_order::same : tree_order::before, everything, emit);
+            find_pairs(*x, movable.staging, first ? tree_order::after : tree_order::same, everything, emit);
+            find_pairs(*x, fixed.main, tree_order::after, false, emit);
+            find_pairs(*x, fixed.staging, tree_order::after, false, emit);
         }
         for (tree* x : {&fixed.main, &fixed.staging})
-            for (tree* y : {&movable.main, &movable.staging}) find_pairs(*x, *y, before, false, emit);
+            for (tree* y : {&movable.main, &movable.staging}) find_pairs(*x, *y, tree_order::before, false, emit);
+        return everything;
+    }
+    /// What was found has been taken in: nothing is stale any more.
+    void end_search() {
         for (kind& k : kinds_) {
             k.main.clear_marks();
             k.staging.clear_marks();
         }
-        return everything;
     }
 
     /// How many blocks of eight boxes a search for this box looks at: what a query costs.
@@ -20452,7 +20650,6 @@ private:
     }
 
     enum : std::uint32_t { staging_place = 1u << 30, unsorted_place = 2u << 30, slot_mask = (1u << 30) - 1 };
-    enum order { before, same, after };
     /// How much larger leaves may get by moving before the tree is packed anew.
     static constexpr double max_growth = 1.2;
 
@@ -20506,7 +20703,7 @@ private:
         k.unsorted.push_back(id, box_of(all, id));
     }
 
-    void gather(const table& all, const tree& from) {
+    PHYSICS_HPP_NOINLINE void gather(const table& all, const tree& from) {
         for (std::uint32_t slot = 0; slot < from.leaves() * 8; ++slot) {
             fetch_ahead(all, from, slot);
             if (from.id(slot) != no_proxy) add_item(all, from.id(slot));
@@ -20524,7 +20721,7 @@ private:
         for (int i = 0; i < D; ++i) item.middle[i] = box.lower[i] * 0.25f + box.upper[i] * 0.25f;
         items_.push_back(item);
     }
-    void pack(const table& all, kind& k, tree& to, std::uint32_t tag) {
+    PHYSICS_HPP_NOINLINE void pack(const table& all, kind& k, tree& to, std::uint32_t tag) {
         for (const std::uint32_t id : k.unsorted) add_item(all, id);
         k.unsorted.clear();
         spare_items_.resize(items_.size());
@@ -20544,9 +20741,21 @@ private:
         }
         items_.clear();
     }
+    /// Takes the memory to pack so many into a tree, so that nothing fails while it is packed: false where there is
+    /// none, and it is not needed.
+    PHYSICS_HPP_NOINLINE bool has_room(tree& to, std::uint32_t count, bool must) {
+        return items_.try_reserve(count, must) && spare_items_.try_reserve(count, must) && to.try_reserve(count, must);
+    }
+    PHYSICS_HPP_NOINLINE void reserve_update(std::uint32_t count) {
+        for (kind& k : kinds_) k.unsorted.reserve(k.unsorted.size() + count);
+        keys_.reserve(count);
+        scratch_.reserve(count);
+        touched_.reserve(count);
+    }
     /// Packs what waits in the tail once it is long for a search in no order; a search for pairs does so in any case.
     void pop_unsorted(const table& all, kind& k) {
-        if (k.unsorted.size() > 64 + k.staging.live()) pack_staging(all, k);
+        const std::uint32_t live = k.staging.live();
+        if (k.unsorted.size() > 64 + live && has_room(k.staging, live + k.unsorted.size(), false)) pack_staging(all, k);
     }
     void pack_staging(const table& all, kind& k) {
         gather(all, k.staging);
@@ -20571,42 +20780,10 @@ private:
                 wide = size > wide ? size : wide;
             }
             if (!(far > 8 * wide)) return;
+            for (kind& k : kinds_)
+                if (!has_room(k.main, k.main.live() + k.staging.live() + k.unsorted.size(), false)) return;
             for (int i = 0; i < D; ++i) origin_[i] += S(static_cast<double>(box.lower[i] * 0.5f + box.upper[i] * 0.5f));
             for (kind& k : kinds_) pack_all(all, k);
-        }
-    }
-
-    /// The pairs of a marked box of x with a box of y; where y's is marked as well, from the side of the earlier leaf.
-    template <class Emit>
-    void find_pairs(const tree& x, const tree& y, order y_is, bool all_marked, Emit&& emit) {
-        if (!x.any_marked()) return;
-        for (std::uint32_t l = 0; l < x.leaves(); ++l) {
-            const std::uint32_t moved = x.marked(l);
-            if (moved == 0) continue;
-            const float_box<D> reach = moved == 0xffu ? x.around(l) : x.around(l, moved);
-            const auto& leaf = x.leaf(l);
-            y.search(
-                y_is == same && all_marked ? l : 0, [&](const auto& block) { return block.overlapping(reach); },
-                [&](std::uint32_t m, std::uint32_t near) {
-                    const auto& other = y.leaf(m);
-                    const bool itself = y_is == same && m == l;
-                    const std::uint32_t twice = y_is == after || (y_is == same && m > l) ? 0 : y.marked(m);
-                    if (itself) {
-                        each_bit(moved, [&](std::uint32_t i) {
-                            const std::uint32_t earlier = (moved & ((1u << i) - 1)) | 1u << i;
-                            each_bit(leaf.overlapping(leaf.get(i)) & ~earlier,
-                                     [&](std::uint32_t k) { emit(x, l * 8 + i, x, l * 8 + k); });
-                        });
-                        return;
-                    }
-                    near &= ~twice;
-                    if (near == 0) return;
-                    const std::uint32_t mine = moved & leaf.overlapping(y.around(m));
-                    each_bit(mine, [&](std::uint32_t i) {
-                        each_bit(near & other.overlapping(leaf.get(i)),
-                                 [&](std::uint32_t k) { emit(x, l * 8 + i, y, m * 8 + k); });
-                    });
-                });
         }
     }
 
@@ -23930,7 +24107,9 @@ namespace detail {
 /// union algorithm (1975), with halving of paths; the least number rules, so that names follow from the sets alone.
 class disjoint_sets {
 public:
-    disjoint_sets(std::uint32_t count, arena& scratch) : parent_(scratch.allocate<std::uint32_t>(count)) {
+    disjoint_sets(std::uint32_t count, arena& scratch) : disjoint_sets(count, scratch.allocate<std::uint32_t>(count)) {}
+    /// In memory of the caller's, for so many numbers.
+    disjoint_sets(std::uint32_t count, std::uint32_t* memory) : parent_(memory) {
         for (std::uint32_t i = 0; i < count; ++i) parent_[i] = i;
     }
     [[nodiscard]] std::uint32_t find(std::uint32_t i) {
@@ -31705,6 +31884,14 @@ public:
         if (added > 0) insert(segments, count, added);
         clear_if_empty();
     }
+    /// The size of what is kept of all, in units.
+    [[nodiscard]] std::uint32_t units() const { return units_.size(); }
+    /// Takes the memory for so many more, of so many units.
+    void reserve_more(std::uint32_t pairs, std::uint32_t units) {
+        pairs_.reserve(pairs_.size() + pairs);
+        places_.reserve(places_.size() + pairs);
+        units_.reserve(units_.size() + units);
+    }
     /// Exchanges the memory of each of the buffers with that of another which is empty too, if it has more.
     void swap_larger(pair_cache& other) {
         const auto swap_larger_one = [](auto& mine, auto& theirs) {
@@ -31835,6 +32022,15 @@ struct pair_cache_changes {
         pairs.save_to_cache(before, is_kept, to);
         segments[segment] = {&to, first, to.size()};
     }
+    /// Takes the memory for that.
+    void reserve(memories& of, std::uint32_t workers) {
+        if (is_one && of.size() == 0) return;
+        for (std::uint32_t k = 0, pairs = 0, units = 0; k < workers; ++k) {
+            pairs += by[k].size();
+            units += by[k].units();
+            of.reserve_more(pairs, units);
+        }
+    }
     void finish(memories& of) {
         if (is_one && of.size() == 0) of.swap(by[0]);
         else of.change(is_kept, segments, count);
@@ -31884,6 +32080,7 @@ void merge_contacts(buffer<Contact>& to, const buffer<Contact>& more) {
 /// no more, and goes with the next step, in one pass for all: until then no other shape of these numbers has any.
 class removed_shapes {
 public:
+    void reserve(std::uint32_t shapes) { is_removed_.reserve(shapes); }
     void make_room(std::uint32_t shapes) { is_removed_.grow(shapes); }
     void add(std::uint32_t shape) { is_removed_.set(shape); }
     [[nodiscard]] bool any() const { return !is_removed_.empty(); }
@@ -32465,12 +32662,15 @@ struct step_events {
     buffer<proxy_pair> solid_pairs, overlaps, now_inside, passed;
     buffer<far_body<D>> far;
 
+    void clear_sensor_events() {
+        sensor_begin.clear();
+        sensor_end.clear();
+    }
     void forget() {
         contact_begin.clear();
         contact_end.clear();
         hits.clear();
-        sensor_begin.clear();
-        sensor_end.clear();
+        clear_sensor_events();
         slept.clear();
         woken.clear();
         moved.clear();
@@ -32615,8 +32815,10 @@ struct step_data {
     /// All that holds bodies together: of contacts, in their order, behind them of joints.
     buffer<edge> edges;
     [[no_unique_address]] step_joints_of<Plan> joints;
-    /// Bodies woken in this step; sleeping bodies near a change.
-    buffer<std::uint32_t> woken, near;
+    /// Bodies that are woken by the step, or by a change between steps; of the latter, and of what kinematic bodies run
+    /// into, each is noted.
+    buffer<std::uint32_t> woken;
+    bit_array is_listed;
     buffer<proxy_pair> woken_pairs;
     buffer<contact> woken_contacts;
     [[no_unique_address]] sweep_data_of<Plan> sweep;
@@ -32999,6 +33201,11 @@ void each_solid_shape(const pool<typename Plan::body>& bodies, const shape_pool<
     });
 }
 
+/// Takes the memory for so many changes of the broadphase, of shapes of numbers below `slots`.
+template <class Broadphase>
+void reserve_changes(Broadphase& broadphase, std::uint32_t slots, std::uint32_t changes) {
+    if constexpr (requires { broadphase.reserve(slots, changes); }) broadphase.reserve(slots, changes);
+}
 /// Enters the shapes of a body into the broadphase anew: it has become another kind of proxy.
 template <class Plan>
 void reinsert_proxies(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,
@@ -33473,10 +33680,19 @@ wake_input<Plan> to_wake(state<Plan>& s, step_data<Plan>& d) {
     return {s.bodies, s.shapes, s.joints, s.settings, s.step_lengths, s.sleep, s.awake, s.contacts, s.broadphase, d};
 }
 
-/// Brings bodies back that were asleep, listed in step.woken: they can be pushed again, and what touches them is looked
-/// at again.
+/// Takes the memory to wake the bodies that are listed in step.woken, and for so many changes of the broadphase more.
 template <class Plan>
-void finish_waking(const wake_input<Plan>& w) {
+PHYSICS_HPP_NOINLINE void reserve_waking(const wake_input<Plan>& w, std::uint32_t slots, std::uint32_t changes) {
+    if constexpr (Plan::events::sleep)
+        w.sleep.changes.woken.reserve(w.sleep.changes.woken.size() + w.step.woken.size());
+    for (const std::uint32_t i : w.step.woken)
+        each_shape(w.bodies, w.shapes, i, [&](std::uint32_t, const auto&) { ++changes; });
+    if (changes > 0) reserve_changes(w.broadphase, slots, changes);
+}
+/// Brings bodies back that were asleep, listed in step.woken: they can be pushed again, and what touches them is looked
+/// at again. With the memory of reserve_waking nothing fails.
+template <class Plan>
+PHYSICS_HPP_NOINLINE void wake_bodies(const wake_input<Plan>& w) {
     for (const std::uint32_t i : w.step.woken) {
         if (w.sleep.is_asleep(i)) {
             --w.sleep.sleepers;
@@ -33496,64 +33712,71 @@ void take_woken_contacts(const wake_input<Plan>& w, F&& f) {
     partition_contacts(
         w.sleep.contacts, [&](const auto& c) { return !is_pushed(c.bodies.body_a) && !is_pushed(c.bodies.body_b); }, f);
 }
-/// Wakes the island of a body, if it sleeps: says whether.
+/// Begins a list of islands to wake, in step.woken.
 template <class Plan>
-PHYSICS_HPP_NOINLINE bool wake_island(const wake_input<Plan>& w, std::uint32_t body) {
-    if (!w.sleep.is_asleep(body)) return false;
-    each_of_island(w.sleep, body, [&](std::uint32_t i) { w.step.woken.push_back(i); });
-    finish_waking(w);
-    return true;
-}
-/// Brings the contacts of islands that have been woken back among the others.
-template <class Plan>
-PHYSICS_HPP_NOINLINE void return_contacts(const wake_input<Plan>& w) {
-    auto& woken = w.step.new_contacts;
-    woken.clear();
-    take_woken_contacts(w, [&](const auto& c) { woken.push_back(c); });
-    rescale_impulses(woken.begin(), woken.end(), {w.sleep.step, w.sleep.step}, w.step_lengths);
-    merge_contacts(w.contacts, woken);
-    w.step.note_contacts_moved();
-}
-/// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
-template <class Plan, class Each>
-void wake_islands(const wake_input<Plan>& w, Each&& each) {
-    // A step that was refused may have left its list.
+void start_waking(const wake_input<Plan>& w) {
+    // What was refused may have left its list.
     w.step.woken.clear();
-    bool any = false;
-    each([&](std::uint32_t body) { any = wake_island(w, body) || any; });
-    if (any) return_contacts(w);
+    w.step.is_listed.clear();
+}
+/// Lists the island of a body, if it sleeps and is not there.
+template <class Plan>
+PHYSICS_HPP_NOINLINE void list_island(const wake_input<Plan>& w, std::uint32_t body) {
+    auto& is_listed = w.step.is_listed;
+    if (!w.sleep.is_asleep(body) || is_listed.has(body)) return;
+    is_listed.grow(w.bodies.slots());
+    each_of_island(w.sleep, body, [&](std::uint32_t i) {
+        w.step.woken.push_back(i);
+        is_listed.set(i);
+    });
+}
+/// Lists the contacts of those islands in step.new_contacts, and takes the memory for finish_waking, and for so many
+/// changes of the broadphase more, of shapes of numbers below `slots`. It changes nothing of the world. O(contacts of
+/// sleepers).
+template <class Plan>
+PHYSICS_HPP_NOINLINE void prepare_waking(const wake_input<Plan>& w, std::uint32_t slots, std::uint32_t changes) {
+    reserve_waking(w, slots, changes);
+    if (w.step.woken.empty()) return;
+    const auto& is_listed = w.step.is_listed;
+    auto& returning = w.step.new_contacts;
+    returning.clear();
+    for (const auto& c : w.sleep.contacts)
+        if (is_listed[c.bodies.body_a] || is_listed[c.bodies.body_b]) returning.push_back(c);
+    w.contacts.reserve(w.contacts.size() + returning.size());
+}
+/// Wakes the islands of prepare_waking, at once, with their contacts. Nothing fails.
+template <class Plan>
+PHYSICS_HPP_NOINLINE void finish_waking(const wake_input<Plan>& w) {
+    if (w.step.woken.empty()) return;
+    wake_bodies(w);
+    take_woken_contacts(w, [](const auto&) {});
+    auto& returning = w.step.new_contacts;
+    rescale_impulses(returning.begin(), returning.end(), {w.sleep.step, w.sleep.step}, w.step_lengths);
+    merge_contacts(w.contacts, returning);
+    w.step.note_contacts_moved();
 }
 /// Lists those asleep in a box that a shape meets.
 template <class Plan>
-void list_near(const wake_input<Plan>& w, const shape_record<Plan>& shape,
-               const aabb<typename Plan::scalar, Plan::dimension>& box) {
+PHYSICS_HPP_NOINLINE void list_near(const wake_input<Plan>& w, const shape_record<Plan>& shape,
+                                    const aabb<typename Plan::scalar, Plan::dimension>& box) {
     each_near(w, box, query_filter{.any_category = true}, [&](std::uint32_t other) {
         const auto& there = w.shapes[other];
-        if (w.sleep.is_asleep(there.body) && may_meet(shape.filter, there.filter)) w.step.near.push_back(there.body);
+        if (w.sleep.is_asleep(there.body) && may_meet(shape.filter, there.filter)) list_island(w, there.body);
         return true;
     });
 }
-/// Wakes the islands of those that are listed.
+/// Lists those asleep that lie where a body is, or on its way to another pose, if it meets them, and those that joints
+/// hold to it.
 template <class Plan>
-void wake_listed(const wake_input<Plan>& w) {
-    wake_islands(w, [&](auto&& f) {
-        for (const std::uint32_t i : w.step.near) f(i);
-    });
-}
-/// Wakes those that lie where a body is, or on its way to another pose, if it meets them, and those that joints hold to
-/// it.
-template <class Plan>
-void wake_near(const wake_input<Plan>& w, std::uint32_t body,
+void list_near(const wake_input<Plan>& w, std::uint32_t body,
                const transform<typename Plan::scalar, Plan::dimension>& to) {
     if (w.sleep.sleepers == 0) return;
-    w.step.near.clear();
     each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto& shape) {
         // What comes into a sensor that moves is seen though it sleeps.
         if (shape.sensor && w.bodies[body].type != body_type::static_body) return;
         list_near(w, shape, merged(query_bounds(w, shape), bounds(shape.shape, to * shape.local)));
     });
-    each_connected(w.joints, body, [&](std::uint32_t other) { w.step.near.push_back(other); });
-    wake_listed(w);
+    each_connected(w.joints, body, [&](std::uint32_t other) { list_island(w, other); });
 }
 /// Wakes what kinematic bodies are going to run into.
 template <class Plan>
@@ -33565,7 +33788,10 @@ void wake_ahead(const wake_input<Plan>& w, typename Plan::scalar h) {
             continue;
         auto turn = b.rotation;
         if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
-        wake_near(w, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
+        start_waking(w);
+        list_near(w, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
+        prepare_waking(w, w.shapes.slots(), 0);
+        finish_waking(w);
     }
 }
 
@@ -33605,7 +33831,7 @@ bool list_woken(const buffer<typename Plan::contact>& contacts, const pool<typen
 template <class Plan>
 void commit_woken(const wake_input<Plan>& w) {
     if (w.step.woken.empty()) return;
-    finish_waking(w);
+    wake_bodies(w);
     take_woken_contacts(w, [](const auto&) {});
 }
 
@@ -33689,12 +33915,16 @@ class touch_events {
 public:
     touch_events(const touch_input<Plan>& in, const Moved& moved, step_events<S, D>& to)
         : in_(in), moved_(moved), to_(to) {}
+    touch_events(const touch_events&) = delete;
+    touch_events& operator=(const touch_events&) = delete;
+    /// Of a step that fails nothing is told, and the pairs are listed anew.
+    ~touch_events() {
+        if (!is_kept_) to_.forget();
+    }
 
     void find_touching(buffer<contact_event>& dropped, buffer<contact>& contacts) {
-        // Listed anew if anything of this fails.
-        const bool is_stale = std::exchange(to_.is_stale, true);
         auto &before = to_.touching, &now = to_.now_touching;
-        if (is_stale) list_touching(dropped);
+        if (to_.is_stale) list_touching(dropped);
         add_woken();
         to_.contact_begin.clear();
         to_.contact_end.clear();
@@ -33713,10 +33943,15 @@ public:
             compare(before, now, dropped);
         for (auto* events : {&to_.contact_begin, &to_.contact_end})
             for (contact_event& e : *events) set_tags(e);
-        before.swap(now);
+    }
+    /// The step has succeeded.
+    void keep(buffer<contact_event>& dropped) {
+        keep();
+        to_.touching.swap(to_.now_touching);
         dropped.clear();
         to_.is_stale = false;
     }
+    void keep() { is_kept_ = true; }
 
     void find_hits(const buffer<contact>& contacts, S threshold) {
         to_.hits.clear();
@@ -33865,6 +34100,7 @@ private:
     const touch_input<Plan>& in_;
     const Moved& moved_;
     step_events<S, D>& to_;
+    bool is_kept_ = false;
 };
 
 /// Notes which points bear something as a step begins, by what they have inherited.
@@ -34451,15 +34687,16 @@ public:
           awake_(awake),
           bodies_(bodies),
           sleep_(sleep),
-          scratch_(scratch) {}
+          count_(awake.size()),
+          parents_(scratch.template allocate<std::uint32_t>(count_)),
+          island_(scratch.template allocate<island>(count_)),
+          support_(scratch.template allocate<support>(count_ + 1)) {}
 
     /// Calls asleep(body) for those that fall asleep, once they are.
     template <class Asleep>
     void run(Asleep&& asleep) {
         if (!update_sleep_times()) return;
-        count_ = awake_.size();
-        disjoint_sets sets(count_, scratch_);
-        island_ = scratch_.template allocate<island>(count_);
+        disjoint_sets sets(count_, parents_);
         for (std::uint32_t k = 0; k < count_; ++k) new (island_ + k) island{};
         const S slack = gravity_slack(settings_.gravity, step_);
         each_edge(slack, [&](std::uint32_t a, std::uint32_t b, auto&& holds) {
@@ -34524,8 +34761,8 @@ private:
     /// Of each body that moves; null if none of the slow ones has moved far.
     template <class IsSlow, class IsFar>
     const support* find_supports(IsSlow&& is_slow, IsFar&& is_far) {
-        const std::uint32_t count = awake_.size();
-        auto* found = scratch_.template allocate<support>(count + 1);
+        const std::uint32_t count = count_;
+        support* const found = support_;
         bool any = false;
         for (std::uint32_t k = 0; k < count; ++k) {
             const bool asked = is_slow(bodies_[awake_[k]]) && is_far(awake_[k]);
@@ -34607,20 +34844,32 @@ private:
     const awake_list& awake_;
     pool<typename Plan::body>& bodies_;
     sleep_state<Plan>& sleep_;
-    arena& scratch_;
-    std::uint32_t count_ = 0;
-    island* island_ = nullptr;
+    std::uint32_t count_;
+    // Taken before anything changes, so that nothing fails later.
+    std::uint32_t* parents_;
+    island* island_;
+    support* support_;
 };
 
+struct no_sleep_judge {};
+/// With the memory that it needs.
+template <class Plan>
+auto make_sleep_judge([[maybe_unused]] const buffer<typename Plan::contact>& contacts,
+                      [[maybe_unused]] edge_range joints, [[maybe_unused]] const typename Plan::settings& settings,
+                      [[maybe_unused]] typename Plan::scalar h, [[maybe_unused]] const awake_list& awake,
+                      [[maybe_unused]] pool<typename Plan::body>& bodies, [[maybe_unused]] sleep_of<Plan>& sleep,
+                      [[maybe_unused]] arena& scratch) {
+    if constexpr (Plan::sleeps) return sleep_judge<Plan>(contacts, joints, settings, h, awake, bodies, sleep, scratch);
+    else return no_sleep_judge{};
+}
 /// The step's contacts and joints, and how bodies move -> which of them sleep. True if any have fallen asleep. O(bodies
 /// + contacts).
 template <class Plan>
-bool fall_asleep(const buffer<typename Plan::contact>& contacts, edge_range joints,
-                 const typename Plan::settings& settings, typename Plan::scalar h, const shape_pool<Plan>& shapes,
+bool fall_asleep(sleep_judge<Plan>& judge, const typename Plan::settings& settings, const shape_pool<Plan>& shapes,
                  awake_list& awake, pool<typename Plan::body>& bodies, sleep_state<Plan>& sleep,
-                 typename Plan::broadphase& broadphase, arena& scratch) {
+                 typename Plan::broadphase& broadphase) {
     bool any = false;
-    sleep_judge<Plan>(contacts, joints, settings, h, awake, bodies, sleep, scratch).run([&](std::uint32_t i) {
+    judge.run([&](std::uint32_t i) {
         reinsert_proxies<Plan>(bodies, shapes, sleep, settings.contact_margin, broadphase, i);
         if constexpr (Plan::events::sleep) sleep.changes.slept.push_back({i, bodies.generation(i), 0});
         any = true;
@@ -35024,6 +35273,15 @@ void drop_limit(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotate
     at_limit.pop_back();
 }
 
+/// Takes the memory for update_limits, of so many joints of a step.
+template <class S, int D>
+void reserve_limits(std::uint32_t joints, std::uint32_t slots, const joint_limit_state& limits, step_events<S, D>& to) {
+    const std::uint32_t before = limits.at_limit.size();
+    to.now_at_limit.reserve(before + joints);
+    to.looked_at.reserve(slots);
+    to.limit_begin.reserve(joints);
+    to.limit_end.reserve(before + limits.dropped.size());
+}
 /// What the joints of a step gave -> which have come to limits, and which have left them. O(joints of the step).
 template <class S, int D, class Joints, bool Rotates, class Sleep>
 void update_limits(const step_joints<S, D, Joints>& found, const joint_set<S, D, Joints>& all,
@@ -35739,8 +35997,7 @@ public:
     sensor_update(const sensor_input<Plan>& in, manifold_list<S, D>& manifolds) : in_(in), manifolds_(manifolds) {}
 
     void run(const buffer<proxy_pair>& pairs, sensor_state& sensors, step_events<S, D>& to) {
-        to.sensor_begin.clear();
-        to.sensor_end.clear();
+        to.clear_sensor_events();
         list_inside(pairs, sensors, to.passed, to.overlaps);
         auto &before = sensors.inside, &now = to.overlaps, &next = to.now_inside;
         next.clear();
@@ -35757,6 +36014,7 @@ public:
                 to.sensor_begin.push_back(sensor_event_of<Plan>(in_.bodies, in_.shapes, now[k++]));
             }
         }
+        to.sensor_end.reserve(to.sensor_end.size() + sensors.dropped.size());
         before.swap(next);
         for (const sensor_event& e : sensors.dropped) to.sensor_end.push_back(e);
         if (!sensors.dropped.empty())
@@ -35929,6 +36187,75 @@ bool solve(const batches& graph, const solve_input<Plan>& in, buffer<typename Pl
            const Material& material, step_joints_of<Plan>& joints, const Moved& moved, per_worker<arena>& scratch_of,
            arena& scratch, task_runner& tasks) {
     return batch_solver<Plan>(graph, in, contacts, material, joints, moved).run(scratch_of, scratch, tasks);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/step/reserve.hpp
+// =================================================================================================
+// The memory that the end of a step needs.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// What may wake or fall asleep at the end of a step.
+template <class Plan>
+void reserve_sleep(const wake_input<Plan>& w, typename Plan::scalar h) {
+    using S = typename Plan::scalar;
+    auto &next = w.step.new_contacts, &last = w.contacts;
+    std::uint32_t changes = 0;
+    const auto count_shapes = [&](std::uint32_t body) {
+        each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto&) { ++changes; });
+    };
+    // What kinematic bodies run into, which may be all that sleeps.
+    bool may_run = false;
+    if (w.sleep.sleepers > 0)
+        for (const std::uint32_t i : w.awake) may_run = may_run || !w.bodies[i].is_dynamic();
+    if (may_run) {
+        w.step.woken.reserve(w.bodies.slots());
+        w.step.is_listed.grow(w.bodies.slots());
+        changes = w.shapes.slots();
+        next.reserve(next.size() + w.sleep.contacts.size());
+        last.reserve(w.sleep.contacts.size());
+    }
+    reserve_waking(w, w.shapes.slots(), changes);
+    if constexpr (Plan::events::sleep)
+        if (may_run) w.sleep.changes.woken.reserve(w.sleep.changes.woken.size() + w.sleep.sleepers);
+    // Those that may have been still for long enough by the end of the step, and contacts of none but these.
+    const auto& with = w.settings.sleeping;
+    if (!with.enabled) return;
+    const S long_ago = with.time - h;
+    const auto may_sleep = [&](std::uint32_t i) {
+        return w.bodies[i].is_dynamic() && !(w.sleep.sleep_time[i] < long_ago);
+    };
+    std::uint32_t bodies = 0, contacts = 0;
+    for (const std::uint32_t i : w.awake) {
+        if (!may_sleep(i)) continue;
+        ++bodies;
+        count_shapes(i);
+    }
+    if (bodies == 0) return;
+    for (const auto& c : next)
+        contacts += (may_sleep(c.bodies.body_a) || !w.bodies[c.bodies.body_a].is_dynamic()) &&
+                    (may_sleep(c.bodies.body_b) || !w.bodies[c.bodies.body_b].is_dynamic());
+    last.reserve(contacts);
+    w.sleep.contacts.reserve(w.sleep.contacts.size() + contacts);
+    if constexpr (Plan::events::sleep) w.sleep.changes.slept.reserve(w.sleep.changes.slept.size() + bodies);
+    reserve_changes(w.broadphase, w.shapes.slots(), changes);
+}
+
+/// Takes the memory for what a step has to tell of its bodies and joints, and to remember.
+template <class Plan, class Limits>
+void reserve_results(const awake_list& awake, const joints_of<Plan>& joints, const Limits& limits,
+                     pair_cache<Plan>& memories, std::uint32_t workers, step_data<Plan>& d) {
+    if constexpr (Plan::remembers) d.pair_cache_changes.reserve(memories, workers);
+    if constexpr (Plan::events::moves) d.events.moved.reserve(awake.size());
+    if constexpr (Plan::has_joints && Plan::events::joint_limits)
+        reserve_limits(d.joints.edge_count(), joints.records.slots(), limits, d.events);
 }
 
 }  // namespace detail
@@ -36423,7 +36750,9 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Shapes and broadphase are what a step writes before it has succeeded: where it has not, they are brought back.
+/// Poses -> poses and boxes of shapes, and where these are heading; bodies with a target are there, to the bit. Shapes
+/// and broadphase are what a step writes before it has succeeded: unless they are to be kept, they are brought back.
+/// O(shapes that move).
 template <class Plan>
 class box_update {
     using S = typename Plan::scalar;
@@ -36440,13 +36769,23 @@ public:
           step_(h),
           shapes_(shapes),
           boxes_(broadphase) {}
-
-    bool run(arena& scratch, task_runner& tasks) {
-        const bool fit = tasks.is_serial() ? update() : update(scratch, tasks);
-        if (!fit) restore();
-        if constexpr (requires { boxes_.update(); }) boxes_.update();
-        return fit;
+    box_update(const box_update&) = delete;
+    box_update& operator=(const box_update&) = delete;
+    ~box_update() {
+        if (has_begun_ && !is_kept_) restore();
     }
+
+    /// False if a box is beyond the scalar's range, or the executor fails.
+    bool run(arena& scratch, task_runner& tasks) {
+        reserve_changes(boxes_, shapes_.slots(), 0);
+        has_begun_ = true;
+        if (!(tasks.is_serial() ? update() : update(scratch, tasks))) return false;
+        // To go back too: what is brought back finds the memory.
+        reserve_changes(boxes_, shapes_.slots(), moves_);
+        if constexpr (requires { boxes_.update(); }) boxes_.update();
+        return true;
+    }
+    void keep() { is_kept_ = true; }
 
 private:
     bool update() {
@@ -36480,8 +36819,12 @@ private:
                            [&](std::uint32_t n, const auto& shape) { move(k, n, box_within(margin_, shape)); });
         return fit;
     }
-    void restore() {
-        for (const std::uint32_t i : awake_) refresh_boxes<Plan>(bodies_, margin_, shapes_, boxes_, i);
+    PHYSICS_HPP_COLD void restore() {
+        const auto restore_boxes = [&] {
+            for (const std::uint32_t i : awake_) refresh_boxes<Plan>(bodies_, margin_, shapes_, boxes_, i);
+            if constexpr (requires { boxes_.update(); }) boxes_.update();
+        };
+        run_if_memory_lasts(restore_boxes);
     }
     /// Puts the shapes of a body where it is now, and calls f(shape's number, box) for each.
     template <class F>
@@ -36496,6 +36839,7 @@ private:
     }
     void move(std::uint32_t k, std::uint32_t n, const aabb<S, D>& box) {
         boxes_.move(n, box, moved_.velocity(k).linear * step_);
+        ++moves_;
     }
 
     const pool<typename Plan::body>& bodies_;
@@ -36504,16 +36848,9 @@ private:
     S margin_, step_;
     shape_pool<Plan>& shapes_;
     typename Plan::broadphase& boxes_;
+    std::uint32_t moves_ = 0;
+    bool has_begun_ = false, is_kept_ = false;
 };
-
-/// Poses -> poses and boxes of shapes, and where these are heading; bodies with a target are there, to the bit. False,
-/// and all shapes where they were, if a box is beyond the scalar's range, or the executor fails. O(shapes that move).
-template <class Plan, class Moved>
-bool update_boxes(const pool<typename Plan::body>& bodies, const awake_list& awake, const Moved& moved,
-                  typename Plan::scalar margin, typename Plan::scalar h, shape_pool<Plan>& shapes,
-                  typename Plan::broadphase& broadphase, arena& scratch, task_runner& tasks) {
-    return box_update<Plan>(bodies, awake, moved, margin, h, shapes, broadphase).run(scratch, tasks);
-}
 
 }  // namespace detail
 
@@ -36640,12 +36977,17 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
                                          extents,  s.settings, d.passing,    d.new_contacts, s.tag};
         sweep_report = sweep(to_sweep, moved, h, d.sweep);
     }
-    // Poses -> poses of shapes, and boxes in the broadphase of those that left theirs; put back if one does not fit.
-    if (!update_boxes<Plan>(s.bodies, s.awake, moved, s.settings.contact_margin, h, s.shapes, s.broadphase, d.scratch,
-                            tasks))
+    // Poses -> poses of shapes, and boxes in the broadphase of those that left theirs; put back unless they are kept.
+    box_update<Plan> boxes(s.bodies, s.awake, moved, s.settings.contact_margin, h, s.shapes, s.broadphase);
+    if (!boxes.run(d.scratch, tasks))
         return tasks.ran_all_tasks() ? step_result::out_of_range : step_result::bad_executor;
     done(step_stage::update_boxes);
 
+    // All memory that is needed once results are published.
+    reserve_results<Plan>(s.awake, s.joints, s.joint_limits, s.memories, tasks.workers(), d);
+    if constexpr (Plan::sleeps) reserve_sleep(to_wake(s, d), h);
+    [[maybe_unused]] auto judge =
+        make_sleep_judge<Plan>(s.contacts, joint_edges(d), s.settings, h, s.awake, s.bodies, s.sleep, d.scratch);
     // Contacts, how bodies have moved -> which shapes touch, and what is told of that, in d.events.
     if constexpr (Plan::events::contacts || Plan::events::hits) {
         const touch_input<Plan> to_touch{
@@ -36653,8 +36995,11 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
         touch_events<Plan, decltype(moved)> events(to_touch, moved, d.events);
         if constexpr (Plan::events::contacts) events.find_touching(s.dropped.list, d.new_contacts);
         if constexpr (Plan::events::hits) events.find_hits(d.new_contacts, s.settings.events.hit_speed);
+        if constexpr (Plan::events::contacts) events.keep(s.dropped.list);
+        else events.keep();
     }
     // Results -> bodies and contacts. From here on nothing fails.
+    boxes.keep();
     publish(s, d, moved, warm, h);
     if constexpr (Plan::events::moves) list_moved(s.bodies, s.contact_starts, s.awake, s.tag, d.events.moved);
     if constexpr (Plan::has_joints) break_joints(d.joints, s.bodies, s.joints, s.sleep);
@@ -36667,13 +37012,13 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
         // What was woken is awake for good, and so is what kinematic bodies are going to run into.
         commit_woken(to_wake(s, d));
     }
-    // Poses, boxes -> what has come into sensors and left them, in d.events.
-    if constexpr (Plan::events::sensors) update_sensors(s, d, h);
+    // Poses, boxes -> what has come into sensors and left them, in d.events; without memory the next step tells of it.
+    if constexpr (Plan::events::sensors)
+        if (!run_if_memory_lasts([&] { update_sensors(s, d, h); })) d.events.clear_sensor_events();
     if constexpr (Plan::sleeps) {
         wake_ahead(to_wake(s, d), h);
         // Contacts, joints, and how bodies move -> islands that fall asleep, with their contacts.
-        if (fall_asleep<Plan>(s.contacts, joint_edges(d), s.settings, h, s.shapes, s.awake, s.bodies, s.sleep,
-                              s.broadphase, d.scratch)) {
+        if (fall_asleep<Plan>(judge, s.settings, s.shapes, s.awake, s.bodies, s.sleep, s.broadphase)) {
             move_contacts_to_sleepers<Plan>(s.bodies, s.step_lengths, s.contacts, s.sleep, d.new_contacts);
             if constexpr (Plan::remembers)
                 s.memories.drop([&](std::uint32_t shape) { return s.is_asleep(s.shapes[shape].body); });
@@ -38219,9 +38564,46 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// Begins a list of islands that wake by one change: list_affected and list_near add to it, prepare_waking takes all
+/// memory and finish_waking wakes them, so that what is refused before that has changed nothing.
 template <class Plan>
-void wake(world_data<Plan>& s, std::uint32_t body) {
-    if constexpr (Plan::sleeps) wake_islands(to_wake<Plan>(s, s.step), [&](auto&& f) { f(body); });
+void start_waking(world_data<Plan>& s) {
+    if constexpr (Plan::sleeps) start_waking(to_wake<Plan>(s, s.step));
+}
+template <class Plan>
+void list_island(world_data<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) list_island(to_wake<Plan>(s, s.step), body);
+}
+/// For a change of so many shapes in the broadphase, of numbers below `slots`.
+template <class Plan>
+void prepare_waking(world_data<Plan>& s, std::uint32_t slots, std::uint32_t changes) {
+    if constexpr (Plan::sleeps) prepare_waking(to_wake<Plan>(s, s.step), slots, changes);
+    else reserve_changes(s.broadphase, slots, changes);
+}
+template <class Plan>
+void prepare_waking(world_data<Plan>& s, std::uint32_t changes = 0) {
+    prepare_waking(s, s.shapes.slots(), changes);
+}
+template <class Plan>
+void finish_waking(world_data<Plan>& s) {
+    if constexpr (Plan::sleeps) finish_waking(to_wake<Plan>(s, s.step));
+}
+/// To wake the island of a body.
+template <class Plan>
+void prepare_waking_of(world_data<Plan>& s, std::uint32_t body) {
+    start_waking(s);
+    if (!s.is_asleep(body)) return;
+    list_island(s, body);
+    prepare_waking(s);
+}
+/// Wakes the islands of two bodies.
+template <class Plan>
+void wake(world_data<Plan>& s, std::uint32_t body, std::uint32_t other) {
+    if (!s.is_asleep(body) && !s.is_asleep(other)) return;
+    start_waking(s);
+    for (const std::uint32_t i : {body, other}) list_island(s, i);
+    prepare_waking(s);
+    finish_waking(s);
 }
 /// Calls f(list, i) for the contacts of a body: list[i] is one of those that can be pushed, or of those of sleepers.
 template <class Plan, class F>
@@ -38235,59 +38617,63 @@ void each_contact(const world_data<Plan>& s, std::uint32_t body, F&& f) {
         if (!s.removed.in(list[at])) f(list, at);
     });
 }
-/// Bodies change, for which each(f) calls f(body): wakes the islands of those that are
-/// dynamic, and of what touches others or is held to them by joints.
+/// Lists what joints hold to a body.
+template <class Plan>
+void list_connected(world_data<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) each_connected(s.joints, body, [&](std::uint32_t other) { list_island(s, other); });
+}
+/// Bodies change, for which each(f) calls f(body): lists those that are dynamic, and what touches others or is held to
+/// them by joints.
 template <class Plan, class Each>
-void wake_affected(world_data<Plan>& s, Each&& each) {
+void list_affected(world_data<Plan>& s, Each&& each) {
     if constexpr (Plan::sleeps) {
-        auto& affected = s.step.near;
-        affected.clear();
+        const auto add = [&](std::uint32_t other) { list_island(s, other); };
         each([&](std::uint32_t body) {
             if (s.bodies[body].is_dynamic()) {
-                affected.push_back(body);
+                add(body);
                 return;
             }
-            const auto add = [&](std::uint32_t other) { affected.push_back(other); };
-            each_connected(s.joints, body, add);
+            list_connected(s, body);
             if (s.sleep.contacts.empty()) return;
             each_contact(s, body, [&](const auto& in, std::uint32_t at) {
                 if (&in == &s.sleep.contacts)
                     add(in[at].bodies.body_a == body ? in[at].bodies.body_b : in[at].bodies.body_a);
             });
         });
-        wake_listed(to_wake<Plan>(s, s.step));
     }
 }
 template <class Plan>
+PHYSICS_HPP_NOINLINE void list_affected(world_data<Plan>& s, std::uint32_t body) {
+    list_affected(s, [&](auto&& f) { f(body); });
+}
+template <class Plan>
 void wake_affected(world_data<Plan>& s, std::uint32_t body) {
-    wake_affected(s, [&](auto&& f) { f(body); });
+    start_waking(s);
+    list_affected(s, body);
+    prepare_waking(s);
+    finish_waking(s);
 }
+/// Lists those asleep that lie where a body is, or on its way to another pose.
 template <class Plan>
-void wake_near(world_data<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
+void list_near(world_data<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
     if constexpr (Plan::sleeps)
-        if (s.bodies[body].enabled) wake_near(to_wake<Plan>(s, s.step), body, to);
+        if (s.bodies[body].enabled) list_near(to_wake<Plan>(s, s.step), body, to);
 }
+/// Lists those that lie where a shape is, or is going to be, on an enabled body of that type, if it meets them.
 template <class Plan>
-void wake_near(world_data<Plan>& s, std::uint32_t body) {
-    wake_near(s, body, s.bodies[body].pose());
-}
-/// Wakes those that lie where a shape is, if it meets them.
-template <class Plan>
-void wake_near_shape(world_data<Plan>& s, std::uint32_t shape) {
+void list_near_shape(world_data<Plan>& s, const shape_record<Plan>& shape, body_type type) {
     if constexpr (Plan::sleeps)
-        if (s.sleep.sleepers != 0 && s.bodies[s.shapes[shape].body].enabled &&
-            (!s.shapes[shape].sensor || s.bodies[s.shapes[shape].body].type == body_type::static_body)) {
-            const wake_input<Plan> w = to_wake<Plan>(s, s.step);
-            w.step.near.clear();
-            list_near(w, s.shapes[shape], query_bounds(s, s.shapes[shape]));
-            wake_listed(w);
-        }
+        if (s.sleep.sleepers != 0 && (!shape.sensor || type == body_type::static_body))
+            list_near(to_wake<Plan>(s, s.step), shape, query_bounds(s, shape));
 }
 template <class Plan>
 void wake_all(world_data<Plan>& s) {
-    if constexpr (Plan::sleeps)
-        wake_islands(to_wake<Plan>(s, s.step),
-                     [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
+    if constexpr (Plan::sleeps) {
+        start_waking(s);
+        s.bodies.each([&](std::uint32_t i, const auto&) { list_island(s, i); });
+        prepare_waking(s);
+        finish_waking(s);
+    }
 }
 
 template <class Plan>
@@ -38328,7 +38714,7 @@ void drop_contacts(world_data<Plan>& s, Gone&& gone) {
 }
 
 /// Forgets the contacts of a body's shapes, or of one of them only unless that is no_shape, as the next step begins; to
-/// all they are gone at once. What may fail comes before anything is changed.
+/// all they are gone at once.
 template <class Plan>
 void remove_contacts(world_data<Plan>& s, std::uint32_t body, std::uint32_t shape) {
     if constexpr (Plan::events::contacts)
@@ -38339,6 +38725,26 @@ void remove_contacts(world_data<Plan>& s, std::uint32_t body, std::uint32_t shap
     s.removed.make_room(s.shapes.slots());
     if (shape != no_shape) s.removed.add(shape);
     else each_shape(s, body, [&](std::uint32_t i, const auto&) { s.removed.add(i); });
+}
+
+/// Takes the memory to wake what is listed, and to remove bodies, for which each(f) calls f(body), or just a
+/// shape of them unless that is no_shape, or to enter them into the broadphase anew. It changes nothing of the world.
+template <class Plan, class Each>
+void prepare_removal(world_data<Plan>& s, Each&& each, std::uint32_t shape) {
+    std::uint32_t shapes = 0;
+    [[maybe_unused]] std::uint32_t contacts = 0, joints = 0;
+    each([&](std::uint32_t body) {
+        each_shape(s, body, [&](std::uint32_t i, const auto&) { shapes += shape == no_shape || i == shape; });
+        if constexpr (Plan::events::contacts) each_contact(s, body, [&](const auto&, std::uint32_t) { ++contacts; });
+        if constexpr (Plan::has_joints && Plan::events::joint_limits)
+            s.joints.each_of(body, [&](std::uint32_t, const auto&) { ++joints; });
+    });
+    s.removed.reserve(s.shapes.slots());
+    if constexpr (Plan::events::contacts) s.dropped.list.reserve(s.dropped.list.size() + contacts);
+    if constexpr (Plan::has_joints && Plan::events::joint_limits)
+        s.joint_limits.dropped.reserve(s.joint_limits.dropped.size() + joints);
+    if constexpr (Plan::events::sensors) s.sensors.dropped.reserve(s.sensors.dropped.size() + s.sensors.inside.size());
+    prepare_waking(s, shapes);
 }
 
 /// Takes a joint out of its bodies' lists and of its kind.
@@ -38379,7 +38785,10 @@ void drop_sensors([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] Each&& 
 /// Removes bodies, for which each(f) calls f(body) and is_gone(body) is true.
 template <class Plan, class Each, class Gone>
 void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
-    wake_affected(s, each);
+    start_waking(s);
+    list_affected(s, each);
+    prepare_removal(s, each, no_shape);
+    finish_waking(s);
     each([&](std::uint32_t body) { remove_contacts(s, body, no_shape); });
     if constexpr (Plan::has_joints)
         each([&](std::uint32_t body) {
@@ -38451,7 +38860,11 @@ void destroy_shape(world_data<Plan>& s, std::uint32_t index) {
     if (owner.given_type == body_type::dynamic_body && !owner.mass_is_set &&
         !check_shapes_mass(s, body, "destroy_shape", index))
         return;
-    wake_affected(s, body);
+    start_waking(s);
+    list_affected(s, body);
+    prepare_removal(
+        s, [&](auto&& f) { f(body); }, index);
+    finish_waking(s);
     remove_contacts(s, body, index);
     drop_sensors(
         s, [&](auto&& f) { f(index); }, [&](std::uint32_t shape) { return shape == index; });
@@ -38461,6 +38874,125 @@ void destroy_shape(world_data<Plan>& s, std::uint32_t index) {
     s.broadphase.erase(index);
     s.shapes.erase(index);
     refresh_mass(s, body);
+}
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/world/body_kinds.hpp
+// =================================================================================================
+// How bodies become static, kinematic, dynamic, disabled or enabled.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+template <class Plan>
+void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
+    using S = typename Plan::scalar;
+    constexpr int D = Plan::dimension;
+    const char* f = "set_type";
+    auto& b = s.bodies[index];
+    if (!check_type(f, type) || type == b.given_type) return;
+    if (type == body_type::dynamic_body) {
+        bool solid = true;
+        each_shape(s, index, [&](std::uint32_t, const auto& record) {
+            if (record.sensor) return;
+            record.shape.visit([&](const auto& shape) {
+                solid = solid && solid_shape_for<std::remove_cvref_t<decltype(shape)>, S, D>;
+            });
+        });
+        if (!solid) {
+            refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
+            return;
+        }
+        if (!b.mass_is_set && !check_shapes_mass(s, index, f)) return;
+    }
+    start_waking(s);
+    list_affected(s, index);
+    prepare_removal(
+        s, [&](auto&& of) { of(index); }, no_shape);
+    finish_waking(s);
+    if (type == body_type::static_body) b.velocity = {};
+    if (type != body_type::dynamic_body) {
+        b.force = {};
+        b.torque = {};
+    }
+    b.has_target = false;
+    b.at_target = false;
+    b.given_type = type;
+    if (b.enabled) b.type = type;
+    s.awake.is_stale = true;
+    refresh_mass(s, index);
+    reinsert_proxies(s, index);
+    drop_contacts(s, [&](const auto& c) {
+        const std::uint32_t first = c.bodies.body_a, second = c.bodies.body_b;
+        return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
+    });
+}
+
+/// Tells joints of a body whether both of theirs are enabled.
+template <class Plan>
+void note_enabled([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] std::uint32_t index) {
+    if constexpr (Plan::has_joints)
+        s.joints.each_of(index, [&](std::uint32_t i, const joint_record& record) {
+            s.joints.records[i].bodies_enabled = s.bodies[record.body_a].enabled && s.bodies[record.body_b].enabled;
+        });
+}
+template <class Plan>
+void disable(world_data<Plan>& s, std::uint32_t index) {
+    auto& b = s.bodies[index];
+    start_waking(s);
+    list_affected(s, index);
+    // What sleeps in its sensors is looked at again; those of a static body wake it.
+    each_shape(s, index, [&](std::uint32_t, const auto& record) {
+        if (record.sensor) list_near_shape(s, record, body_type::static_body);
+    });
+    prepare_removal(
+        s, [&](auto&& of) { of(index); }, no_shape);
+    finish_waking(s);
+    b.type = body_type::static_body;
+    b.enabled = false;
+    if (b.at_target) b.velocity = {};
+    b.has_target = b.at_target = false;
+    b.force = {};
+    b.torque = {};
+    set_mass_properties(s, index, b.mass);
+    note_enabled(s, index);
+    remove_contacts(s, index, no_shape);
+    s.awake.is_stale = true;
+    reinsert_proxies(s, index);
+}
+template <class Plan>
+void enable(world_data<Plan>& s, std::uint32_t index) {
+    auto& b = s.bodies[index];
+    std::uint32_t count = 0;
+    start_waking(s);
+    each_shape(s, index, [&](std::uint32_t, const auto& shape) {
+        list_near_shape(s, shape, b.given_type);
+        ++count;
+    });
+    if constexpr (Plan::sleeps && Plan::has_joints)
+        s.joints.each_of(index, [&](std::uint32_t, const joint_record& r) {
+            if (r.enabled && s.bodies[r.other(index)].enabled && s.joints.holds(r.kind)) list_island(s, r.other(index));
+        });
+    prepare_waking(s, count);
+    finish_waking(s);
+    b.enabled = true;
+    b.type = b.given_type;
+    if constexpr (Plan::sleeps) s.sleep.start(index, b.center);
+    refresh_mass(s, index);
+    note_enabled(s, index);
+    s.awake.is_stale = true;
+    reinsert_proxies(s, index);
+}
+template <class Plan>
+void set_enabled(world_data<Plan>& s, std::uint32_t index, bool enabled) {
+    if (enabled == s.bodies[index].enabled) return;
+    if (enabled) enable(s, index);
+    else disable(s, index);
 }
 
 }  // namespace detail
@@ -38565,12 +39097,23 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     if (def.density > S(0) && !def.sensor && is_dynamic && !owner.mass_is_set &&
         !check_shapes_mass(s, body, f, no_shape, &record))
         return {};
-    // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
-    wake_affected(s, body);
+    // What may fail comes first.
+    const std::uint32_t slots = s.shapes.slots() + 1;
+    s.shapes.reserve(slots);
+    s.shape_values.reserve(slots);
+    if constexpr (Plan::events::sensors) {
+        s.sensors.is_sensor.grow(slots);
+        s.sensors.of_static.reserve(s.sensors.of_static.size() + 1);
+    }
+    start_waking(s);
+    list_affected(s, body);
+    if (owner.enabled) list_near_shape(s, record, owner.type);
+    prepare_waking(s, slots, 1);
+    // What a sleeper touches is among the contacts that move with its centre of mass.
+    finish_waking(s);
     const auto place = s.shapes.insert(record);
     s.shape_values.start(place.index);
     if constexpr (Plan::events::sensors) {
-        s.sensors.is_sensor.grow(s.shapes.slots());
         if (def.sensor) {
             s.sensors.is_sensor.set(place.index);
             s.sensors.count = s.sensors.count + 1;
@@ -38584,7 +39127,6 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     // What is not dynamic takes no mass from it: n shapes on one body cost O(n).
     if (is_dynamic) refresh_mass(s, body);
     else if (!def.sensor) extend_extent(s, s.shapes[place.index]);
-    wake_near_shape(s, place.index);
     return {place.index, place.generation, s.tag};
 }
 
@@ -38599,19 +39141,25 @@ void set_pose(world_data<Plan>& s, std::uint32_t index, const transform<typename
     auto there = b;
     there.set_pose(pose);
     bool fits = true;
+    std::uint32_t count = 0;
+    start_waking(s);
     each_shape(s, index, [&](std::uint32_t, shape_record<Plan> shape) {
         update_pose(shape, there.pose(), there.center);
         fits = fits && check_extent(f, query_bounds(s, shape));
+        if (fits && b.enabled) list_near_shape(s, shape, b.type);
+        ++count;
     });
     if (!fits) return;
-    wake_affected(s, index);
+    list_affected(s, index);
+    if (b.enabled) list_connected(s, index);
     // What sleeps in its sensors is looked at again.
     if constexpr (Plan::events::sensors)
-        if (s.sensors.count > 0 && b.type == body_type::static_body) wake_near(s, index);
+        if (s.sensors.count > 0 && b.type == body_type::static_body) list_near(s, index, b.pose());
+    prepare_waking(s, count);
+    finish_waking(s);
     b.set_pose(pose);
     if (b.type == body_type::static_body) s.awake.is_stale = true;
     refresh_boxes(s, index);
-    wake_near(s, index);
 }
 
 /// Wakes what lies on a kinematic body's way, unless it is told to stay where it is.
@@ -38627,9 +39175,14 @@ void move_to(world_data<Plan>& s, std::uint32_t index, vec<typename Plan::scalar
         return;
     }
     const transform<typename Plan::scalar, Plan::dimension> pose{position, Plan::rotates ? turn : b.rotation};
+    if (!(pose == b.pose())) {
+        start_waking(s);
+        list_near(s, index, pose);
+        prepare_waking(s);
+        finish_waking(s);
+    }
     b.target = pose;
     b.has_target = true;
-    if (!(pose == b.pose())) wake_near(s, index, pose);
 }
 
 /// A velocity that the user gives a body takes the place of one that it has from a target.
@@ -38638,93 +39191,6 @@ auto& velocity_to_set(world_data<Plan>& s, std::uint32_t index) {
     auto& b = s.bodies[index];
     if (std::exchange(b.at_target, false)) b.velocity = {};
     return b.velocity;
-}
-
-template <class Plan>
-void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    const char* f = "set_type";
-    auto& b = s.bodies[index];
-    if (!check_type(f, type) || type == b.given_type) return;
-    if (type == body_type::dynamic_body) {
-        bool solid = true;
-        each_shape(s, index, [&](std::uint32_t, const auto& record) {
-            if (record.sensor) return;
-            record.shape.visit([&](const auto& shape) {
-                solid = solid && solid_shape_for<std::remove_cvref_t<decltype(shape)>, S, D>;
-            });
-        });
-        if (!solid) {
-            refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
-            return;
-        }
-        if (!b.mass_is_set && !check_shapes_mass(s, index, f)) return;
-    }
-    wake_affected(s, index);
-    if (type == body_type::static_body) b.velocity = {};
-    if (type != body_type::dynamic_body) {
-        b.force = {};
-        b.torque = {};
-    }
-    b.has_target = false;
-    b.at_target = false;
-    b.given_type = type;
-    if (b.enabled) b.type = type;
-    s.awake.is_stale = true;
-    refresh_mass(s, index);
-    reinsert_proxies(s, index);
-    drop_contacts(s, [&](const auto& c) {
-        const std::uint32_t first = c.bodies.body_a, second = c.bodies.body_b;
-        return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
-    });
-}
-
-/// Tells joints of a body whether both of theirs are enabled.
-template <class Plan>
-void note_enabled([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] std::uint32_t index) {
-    if constexpr (Plan::has_joints)
-        s.joints.each_of(index, [&](std::uint32_t i, const joint_record& record) {
-            s.joints.records[i].bodies_enabled = s.bodies[record.body_a].enabled && s.bodies[record.body_b].enabled;
-        });
-}
-template <class Plan>
-void disable(world_data<Plan>& s, std::uint32_t index) {
-    auto& b = s.bodies[index];
-    wake_affected(s, index);
-    // What sleeps in its sensors is looked at again; those of a static body wake it.
-    b.type = body_type::static_body;
-    each_shape(s, index, [&](std::uint32_t shape, const auto& record) {
-        if (record.sensor) wake_near_shape(s, shape);
-    });
-    b.enabled = false;
-    if (b.at_target) b.velocity = {};
-    b.has_target = b.at_target = false;
-    b.force = {};
-    b.torque = {};
-    set_mass_properties(s, index, b.mass);
-    note_enabled(s, index);
-    remove_contacts(s, index, no_shape);
-    s.awake.is_stale = true;
-    reinsert_proxies(s, index);
-}
-template <class Plan>
-void enable(world_data<Plan>& s, std::uint32_t index) {
-    auto& b = s.bodies[index];
-    b.enabled = true;
-    b.type = b.given_type;
-    if constexpr (Plan::sleeps) s.sleep.start(index, b.center);
-    refresh_mass(s, index);
-    note_enabled(s, index);
-    s.awake.is_stale = true;
-    reinsert_proxies(s, index);
-    wake_near(s, index);
-}
-template <class Plan>
-void set_enabled(world_data<Plan>& s, std::uint32_t index, bool enabled) {
-    if (enabled == s.bodies[index].enabled) return;
-    if (enabled) enable(s, index);
-    else disable(s, index);
 }
 
 template <class Plan>
@@ -38774,8 +39240,18 @@ template <class Plan>
 void set_filter(world_data<Plan>& s, std::uint32_t index, const collision_filter& filter) {
     auto& shape = s.shapes[index];
     if (filter == shape.filter) return;
-    wake_affected(s, shape.body);
-    if (shape.sensor) wake_near_shape(s, index);
+    auto filtered = shape;
+    filtered.filter = filter;
+    const auto& owner = s.bodies[shape.body];
+    start_waking(s);
+    list_affected(s, shape.body);
+    if (owner.enabled) {
+        if (shape.sensor) list_near_shape(s, shape, owner.type);
+        list_near_shape(s, filtered, owner.type);
+    }
+    prepare_removal(
+        s, [&](auto&& of) { of(shape.body); }, index);
+    finish_waking(s);
     shape.filter = filter;
     drop_contacts(s, [&](const auto& c) {
         return (c.shape_a == index || c.shape_b == index) &&
@@ -38783,7 +39259,6 @@ void set_filter(world_data<Plan>& s, std::uint32_t index, const collision_filter
     });
     s.broadphase.erase(index);
     s.broadphase.insert(index, query_bounds(s, shape), filter_of(s, shape));
-    wake_near_shape(s, index);
 }
 
 template <class Plan>
@@ -38916,8 +39391,9 @@ void apply_at(world_data<Plan>& s, body_id id, const char* function, const char*
     auto& b = s.bodies[at.index];
     vec<typename Plan::scalar, Plan::dimension> anchor;
     if (point) anchor = local ? b.rotation * (*point - b.mass.center) : *point - b.center;
+    prepare_waking_of(s, at.index);
     if (!f(b, local ? b.rotation * force : force, anchor)) refuse_action(function, field, largest_magnitude(force));
-    else if (!(force == decltype(force){})) wake(s, at.index);
+    else if (!(force == decltype(force){})) finish_waking(s);
 }
 template <class Plan>
 void add_force(world_data<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> force,
@@ -38965,8 +39441,9 @@ void add_torque(world_data<Plan>& s, body_id id, physics::angular<typename Plan:
     const lookup at = if_enabled(s, find_dynamic(s, id, f), f);
     if (!at || !check_in_range(f, "torque", torque)) return;
     auto& b = s.bodies[at.index];
+    prepare_waking_of(s, at.index);
     if (!assign(b.torque, b.torque + torque)) refuse_action(f, "torque", largest_magnitude(torque));
-    else if (!(torque == decltype(torque){})) wake(s, at.index);
+    else if (!(torque == decltype(torque){})) finish_waking(s);
 }
 template <class Plan>
 void add_angular_impulse(world_data<Plan>& s, body_id id,
@@ -38980,9 +39457,10 @@ void add_angular_impulse(world_data<Plan>& s, body_id id,
         return converted<double>(b.velocity.angular) +
                times(converted<double>(inverse_inertia), converted<double>(impulse));
     };
+    prepare_waking_of(s, at.index);
     if (!assign(b.velocity.angular, b.velocity.angular + times(inverse_inertia, impulse), exact))
         refuse_action(f, "impulse", largest_magnitude(impulse));
-    else if (!(impulse == decltype(impulse){})) wake(s, at.index);
+    else if (!(impulse == decltype(impulse){})) finish_waking(s);
 }
 
 }  // namespace detail
@@ -39615,7 +40093,7 @@ struct world_code {
     static void set_pose(data& s, std::uint32_t body, const transform& pose);
     static void move_to(data& s, std::uint32_t body, vec position, const rotation& rotation);
     static vec velocity_of_point(const state& s, body_id body, vec point);
-    static void wake(data& s, std::uint32_t body);
+    static void wake(data& s, std::uint32_t body, std::uint32_t other);
     static void wake_affected(data& s, std::uint32_t body);
     static void add_force(data& s, body_id body, const char* function, vec force, bool local, const vec* point);
     static void add_torque(data& s, body_id body, angular torque);
@@ -39696,8 +40174,8 @@ auto world_code<Plan>::velocity_of_point(const state& s, body_id body, vec point
     return scoped([&] { return detail::velocity_of_point(s, body, point); });
 }
 template <class Plan>
-void world_code<Plan>::wake(data& s, std::uint32_t body) {
-    scoped([&] { detail::wake(s, body); });
+void world_code<Plan>::wake(data& s, std::uint32_t body, std::uint32_t other) {
+    scoped([&] { detail::wake(s, body, other); });
 }
 template <class Plan>
 void world_code<Plan>::wake_affected(data& s, std::uint32_t body) {
@@ -39898,7 +40376,7 @@ public:
     }
     /// Wakes a body and its island. O(contacts of sleepers).
     void wake(body_id id) {
-        if (const auto b = detail::find_body(data(), id, "wake")) code::wake(data(), b.index);
+        if (const auto b = detail::find_body(data(), id, "wake")) code::wake(data(), b.index, b.index);
     }
     /// False keeps a body awake, and those that touch it.
     [[nodiscard]] bool can_sleep(body_id id) const {
@@ -39908,8 +40386,8 @@ public:
     void set_can_sleep(body_id id, bool can) {
         const auto b = detail::find_body(data(), id, "set_can_sleep");
         if (!b) return;
+        if (!can) code::wake(data(), b.index, b.index);
         data().bodies[b.index].can_sleep = can;
-        if (!can) code::wake(data(), b.index);
     }
     /// Number of dynamic bodies that are awake, and of kinematic ones that move. O(bodies).
     [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(data()); }
@@ -40189,8 +40667,7 @@ namespace detail {
 template <class Plan>
 void wake_connected(world_data<Plan>& s, std::uint32_t joint) {
     // By what runs in a float_control_scope: impulses are rescaled.
-    world_code<Plan>::wake(s, s.joints.records[joint].body_a);
-    world_code<Plan>::wake(s, s.joints.records[joint].body_b);
+    world_code<Plan>::wake(s, s.joints.records[joint].body_a, s.joints.records[joint].body_b);
 }
 
 /// Whether two values have equal members. Taken for different: members without a ==, and more than 32 of them.
@@ -40262,6 +40739,11 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
         !check_not_negative(f, "break_torque", def.break_torque))
         return {};
     auto& of_kind = s.joints.template of_kind<Joint>();
+    // What may fail comes first.
+    s.joints.records.reserve(s.joints.records.slots() + 1);
+    s.joint_values.reserve(s.joints.records.slots() + 1);
+    of_kind.reserve(of_kind.slots() + 1);
+    world_code<Plan>::wake(s, a.index, b.index);
     joint_record record{a.index, b.index, s.joints.first[a.index], s.joints.first[b.index]};
     record.kind = s.joints.template kind_of<Joint>();
     record.slot = of_kind.next_index();
@@ -40279,7 +40761,6 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
     of_kind.insert(stored);
     s.joints.first[a.index] = s.joints.first[b.index] = place.index;
     fill_in<Plan, Joint>(s, place.index, of_kind[record.slot].joint);
-    wake_connected(s, place.index);
     return {place.index, place.generation, s.tag};
 }
 
@@ -40412,6 +40893,8 @@ public:
     void destroy_joint(joint_id id) {
         const auto at = find(state(), id, "destroy_joint");
         if (!at) return;
+        if constexpr (Plan::events::joint_limits)
+            state().joint_limits.dropped.reserve(state().joint_limits.dropped.size() + 1);
         detail::wake_connected(state(), at.index);
         detail::erase_joint(state(), at.index);
     }

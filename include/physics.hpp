@@ -240,6 +240,7 @@
 #include "physics/broadphase/queries.hpp"
 #include "physics/broadphase/sweep_and_prune.hpp"
 #include "physics/broadphase/tree_index.hpp"
+#include "physics/broadphase/tree_pairs.hpp"
 
 // What a kind of joint is.
 #include "physics/joint/ball_joint.hpp"
@@ -341,6 +342,7 @@
 #include "physics/world/advance.hpp"
 #include "physics/world/audit.hpp"
 #include "physics/world/body_functions.hpp"
+#include "physics/world/body_kinds.hpp"
 #include "physics/world/check.hpp"
 #include "physics/world/contact_functions.hpp"
 #include "physics/world/edit.hpp"

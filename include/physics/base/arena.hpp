@@ -86,11 +86,9 @@ private:
     PHYSICS_HPP_COLD void add_block(std::size_t bytes) {
         std::size_t size = blocks_.empty() ? 4096 : blocks_.back().size * 2;
         if (size < bytes + alignment) size = bytes + alignment;
+        blocks_.reserve(blocks_.size() + 1);
         void* memory = std::malloc(size);
-        if (memory == nullptr) {
-            detail::refuse("arena", "memory", static_cast<double>(size), "the bytes are not available");
-            std::abort();
-        }
+        if (memory == nullptr) detail::refuse_memory("arena", static_cast<double>(size));
         blocks_.push_back({static_cast<unsigned char*>(memory), size});
         used_ = start(blocks_.back());
     }

@@ -14,6 +14,8 @@ public:
     void grow(std::uint32_t size) {
         if ((size + 63) / 64 > words_.size()) words_.resize((size + 63) / 64, 0);
     }
+    /// Takes the memory for that.
+    void reserve(std::uint32_t size) { words_.reserve((size + 63) / 64); }
     /// Makes all bits clear, and takes their room.
     void clear() { words_.clear(); }
     [[nodiscard]] bool empty() const { return words_.empty(); }

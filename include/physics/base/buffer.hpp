@@ -16,18 +16,16 @@ PHYSICS_HPP_BEGIN
 namespace detail {
 
 /// Twice the capacity of a block of values of that size, or what is needed; one function for the buffers of all types.
-PHYSICS_HPP_COLD inline void* reallocate(void* data, std::uint32_t& capacity, std::uint64_t needed, std::size_t size) {
+/// Where there is no memory, refused if it is needed, else null.
+PHYSICS_HPP_COLD inline void* reallocate(void* data, std::uint32_t& capacity, std::uint64_t needed, std::size_t size,
+                                         bool must) {
     const std::uint64_t maximum = UINT32_MAX < SIZE_MAX / size ? UINT32_MAX : SIZE_MAX / size;
     std::uint64_t count = capacity < 8 ? 16 : std::uint64_t{capacity} * 2;
     if (count < needed) count = needed;
     if (count > maximum && needed <= maximum) count = maximum;
     void* grown = count > maximum ? nullptr : std::realloc(data, static_cast<std::size_t>(count) * size);
-    if (grown == nullptr) {
-        // Nothing can go on without the memory, so a handler that returns must not reach the caller.
-        refuse("buffer", "memory", static_cast<double>(count) * static_cast<double>(size),
-               "the bytes are not available");
-        std::abort();
-    }
+    if (grown == nullptr && !must) return nullptr;
+    if (grown == nullptr) refuse_memory("buffer", static_cast<double>(count) * static_cast<double>(size));
     capacity = static_cast<std::uint32_t>(count);
     return grown;
 }
@@ -81,6 +79,13 @@ public:
     void reserve(std::uint32_t capacity) {
         if (capacity > capacity_) grow_to(capacity);
     }
+    /// False where there is no memory for so many, and it is not needed.
+    [[nodiscard]] bool try_reserve(std::uint32_t capacity, bool must) {
+        if (capacity <= capacity_) return true;
+        void* const grown = detail::reallocate(data_, capacity_, capacity, sizeof(T), must);
+        if (grown != nullptr) data_ = static_cast<T*>(grown);
+        return grown != nullptr;
+    }
     /// Adds a copy of value at the end; the value may lie within the buffer.
     T& push_back(const T& value) {
         if (size_ == capacity_) return push_back_grown(value);
@@ -118,7 +123,7 @@ private:
     }
 
     PHYSICS_HPP_COLD void grow_to(std::uint64_t needed) {
-        data_ = static_cast<T*>(detail::reallocate(data_, capacity_, needed, sizeof(T)));
+        data_ = static_cast<T*>(detail::reallocate(data_, capacity_, needed, sizeof(T), true));
     }
 
     T* data_ = nullptr;

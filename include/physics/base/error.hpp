@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <new>
 
 #include "physics/base/config.hpp"
 
@@ -21,6 +22,12 @@ public:
 
 private:
     char text_[256];
+};
+
+/// A call that was refused since there is no memory for it.
+class out_of_memory : public error {
+public:
+    using error::error;
 };
 
 /// Called with every refused call in builds without exceptions.
@@ -64,6 +71,36 @@ PHYSICS_HPP_COLD inline bool refuse(const char* function, const char* field, dou
     std::snprintf(text, sizeof text, "%.9g", value);
     // Some systems write nan with a sign.
     return refuse(function, field, value != value ? "nan" : text, rule);
+}
+
+/// There is no memory for so many bytes, or for some if that is 0: throws out_of_memory, or calls the handler and
+/// aborts where exceptions are off, as nothing can go on without it.
+[[noreturn]] PHYSICS_HPP_COLD inline void refuse_memory(const char* function, double bytes) {
+    char text[40] = "too little";
+    if (bytes > 0) std::snprintf(text, sizeof text, "%.9g", bytes);
+    const char* rule = "the bytes are not available";
+#if PHYSICS_HPP_EXCEPTIONS
+    throw out_of_memory(function, "memory", text, rule);
+#else
+    current_error_handler()(out_of_memory(function, "memory", text, rule));
+    std::abort();
+#endif
+}
+/// Calls f, which may fail for want of memory alone: says whether it has not.
+template <class F>
+bool run_if_memory_lasts(F&& f) {
+#if PHYSICS_HPP_EXCEPTIONS
+    try {
+        f();
+    } catch (const out_of_memory&) {
+        return false;
+    } catch (const std::bad_alloc&) {
+        return false;
+    }
+#else
+    f();
+#endif
+    return true;
 }
 
 /// The same for a component of a field, such as ".x" of "position".

@@ -35,7 +35,9 @@ public:
             return;
         }
         const float_control_scope control;
-        call_(f_, task, worker);
+        // No exception leaves a worker.
+        if (!detail::run_if_memory_lasts([&] { call_(f_, task, worker); }) && out_of_memory_ != nullptr)
+            set(*out_of_memory_);
         if (done_ != nullptr) note(task, ended);
     }
 
@@ -55,9 +57,19 @@ private:
 #endif
     }
 
+    static void set(unsigned char& flag) {
+#if defined(__GNUC__)
+        __atomic_store_n(&flag, static_cast<unsigned char>(1), __ATOMIC_RELEASE);
+#else
+        flag = 1;
+#endif
+    }
+
     void* f_;
     void (*call_)(void*, std::uint32_t, std::uint32_t);
     unsigned char* done_;
+    /// Set where a task finds no memory.
+    unsigned char* out_of_memory_ = nullptr;
     std::uint32_t task_count_, workers_;
 };
 
@@ -190,6 +202,12 @@ private:
 
     /// What the executor leaves out is done here, so that no stage finds anything half made before the step is refused.
     PHYSICS_HPP_COLD void run_on_executor(task_set tasks) {
+        unsigned char lacks = 0;
+        tasks.out_of_memory_ = &lacks;
+        run_noted(tasks);
+        if (lacks != 0) refuse_memory("step", 0);
+    }
+    void run_noted(task_set& tasks) {
         const std::uint32_t count = tasks.task_count_;
         // Our pool calls every part, once; to note it would take workers a look at each other's notes.
         if (is_own_pool_) return run_(executor_, count, tasks);

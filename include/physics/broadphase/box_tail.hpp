@@ -26,9 +26,14 @@ public:
         leaves_.clear();
         above_.clear();
     }
-    void push_back(std::uint32_t id, const box& b) {
+    void reserve(std::uint32_t count) {
+        ids_.reserve(count);
+        leaves_.reserve((count + 7) / 8);
+        above_.reserve((count + 63) / 64);
+    }
+    PHYSICS_HPP_NOINLINE void push_back(std::uint32_t id, const box& b) {
         const std::uint32_t i = ids_.size();
-        // What may fail comes first.
+        reserve(i + 1);
         if (i % 64 == 0) add_empty(above_);
         if (i % 8 == 0) add_empty(leaves_);
         ids_.push_back(id);

@@ -21,6 +21,10 @@ PHYSICS_HPP_BEGIN
 ///                                     all.may_meet(a, b)
 ///   each_near(all, box, visit)        visit(id) where the box may overlap, until it returns false; or, of an index
 ///                                     that keeps them itself, visit(candidate) with filter and box
+///   end_search()                      where it has this: what find emitted has been taken in
+///   reserve(all, slots, changes)      where it has this: takes the memory for so many changes of proxies of numbers
+///                                     below `slots`, and the update after them. An index without it that finds no
+///                                     memory is made anew by the next update, and queries are refused until then
 /// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index),
 /// each_near(all, box, visit, movable), which leaves out what moves if false, and each_member(self, f), for snapshots
 /// of worlds (see base/members.hpp).
@@ -43,19 +47,28 @@ public:
     /// Whether a proxy in this box keeps within its margins, so that moving it there changes nothing.
     [[nodiscard]] bool holds(std::uint32_t id, const aabb& box) const { return all_.has(id) && all_.holds(id, box); }
 
+    /// Takes the memory for so many calls of insert, erase and move, of numbers below `slots`, and an update after
+    /// them: these find what they need then.
+    void reserve(std::uint32_t slots, std::uint32_t changes) {
+        if (slots < all_.size()) slots = all_.size();
+        all_.reserve(slots);
+        if constexpr (reserves) index_.reserve(all_, slots, changes);
+    }
     /// Adds a proxy under a number that is free. False where a call was refused and errors do not throw.
     bool insert(std::uint32_t id, const aabb& box, const proxy_filter& filter = {}) {
         const char* f = "insert";
         if (!query_scope_allows(f) || !check_box(f, box)) return false;
         if (id == detail::no_proxy || all_.has(id)) return refuse(f, "id", id, "it must not be in use");
+        reserve(id + 1, 1);
         all_.insert(id, box, filter);
-        index_.insert(all_, id);
+        change_index([&] { index_.insert(all_, id); });
         return true;
     }
     bool erase(std::uint32_t id) {
         const char* f = "erase";
         if (!query_scope_allows(f) || !check_id(f, id)) return false;
-        index_.erase(all_, id);
+        all_.reserve(all_.size());
+        change_index([&] { index_.erase(all_, id); });
         all_.erase(id);
         return true;
     }
@@ -72,7 +85,9 @@ public:
     /// Shows what has moved to queries.
     void update() {
         if (!query_scope_allows("update")) return;
-        index_.update(all_, all_.dirty_for_index().begin(), all_.dirty_for_index().size());
+        if constexpr (!reserves)
+            if (std::exchange(is_broken_, false)) change_index([&] { remake(); });
+        change_index([&] { index_.update(all_, all_.dirty_for_index().begin(), all_.dirty_for_index().size()); });
         all_.flush_to_index();
     }
 
@@ -88,6 +103,9 @@ public:
     const buffer<proxy_pair>& pairs(Accept&& accept, arena& scratch) {
         if (!query_scope_allows("pairs")) return pairs_.pairs();
         update();
+        if constexpr (!reserves)
+            if (is_broken_) remake();
+        is_broken_ = false;
         detail::pair_search found(all_.size(), scratch);
         const bool everything = index_.find(all_, [&](std::uint32_t a, std::uint32_t b) {
             if constexpr (!requires { requires Index::exact; })
@@ -95,6 +113,7 @@ public:
             if (accept(a < b ? a : b, a < b ? b : a)) found.add(a, b);
         });
         pairs_.finish(found, all_, everything);
+        if constexpr (requires { index_.end_search(); }) index_.end_search();
         all_.clear_dirty();
         return pairs_.pairs();
     }
@@ -107,7 +126,7 @@ public:
     /// bool, false ends the query. Unless movable is true, those that are may be left out, to save time.
     template <class Visit>
     void each_overlapping(const aabb& box, const query_filter& filter, Visit&& visit, bool movable = true) const {
-        if (!check_box("each_overlapping", box)) return;
+        if (!check_box("each_overlapping", box) || !can_search("each_overlapping")) return;
         const detail::query_scope scope(this);
         const auto see = [&](const auto& at) {
             const auto& c = all_.candidate_at(at);
@@ -141,6 +160,7 @@ public:
             if (!detail::check_finite("each_inside", "normal", planes[i].normal) ||
                 !detail::check_finite("each_inside", "offset", planes[i].offset))
                 return;
+        if (!can_search("each_inside")) return;
         const detail::query_scope scope(this);
         const auto see = [&](const auto& at) {
             const auto& c = all_.candidate_at(at);
@@ -162,7 +182,7 @@ public:
     /// translation up to which the ray goes on: hit.fraction for the closest, 1 for all, -1 to stop.
     template <class Visit>
     void each_along(const ray<S, D>& r, const query_filter& filter, Visit&& visit) const {
-        if (!check_ray("each_along", r)) return;
+        if (!check_ray("each_along", r) || !can_search("each_along")) return;
         const detail::query_scope scope(this);
         S limit = S(1);
         const auto see = [&](const auto& at) {
@@ -215,7 +235,8 @@ public:
     std::uint32_t nearest(const vec& point, S reach, const query_filter& filter, std::uint32_t* out,
                           std::uint32_t maximum) const {
         const char* f = "nearest";
-        if (!detail::check_finite(f, "point", point) || !detail::check_not_negative(f, "reach", reach) || maximum == 0)
+        if (!detail::check_finite(f, "point", point) || !detail::check_not_negative(f, "reach", reach) ||
+            maximum == 0 || !can_search(f))
             return 0;
         const detail::query_scope scope(this);
         std::uint32_t count = 0;
@@ -254,8 +275,8 @@ public:
     template <class Self, class F>
         requires(detail::names_members<Index> || std::is_empty_v<Index>)
     static void each_member(Self& self, F&& f) {
-        auto& [all, index, pairs, scratch] = self;
-        detail::call_with_each(f, all, index, pairs, scratch);
+        auto& [all, index, pairs, is_broken, scratch] = self;
+        detail::call_with_each(f, all, index, pairs, is_broken, scratch);
     }
 
 private:
@@ -293,9 +314,41 @@ private:
         const vec far = vec::filled(scalar_traits<S>::max());
         return {-far, far};
     }
+    /// Whether the index tells of the memory that it needs.
+    static constexpr bool reserves = requires(Index & i, const detail::proxies<Space>& all) { i.reserve(all, 0u, 0u); };
+    /// An index that finds no memory is made anew by the next update, from the proxies.
+    template <class F>
+    void change_index(F&& f) {
+        if constexpr (reserves) {
+            f();
+        } else if (!is_broken_) {
+            is_broken_ = true;
+            if (detail::run_if_memory_lasts(f)) is_broken_ = false;
+        }
+    }
+    void remake() {
+        index_ = Index();
+        // One by one: an index may look at all that are there when one comes.
+        detail::proxies<Space> came;
+        came.settings.margin = S(0);
+        for (std::uint32_t id = 0; id < all_.size(); ++id) {
+            if (!all_.has(id)) continue;
+            came.insert(id, all_.box(id), all_.filter(id));
+            index_.insert(came, id);
+        }
+        index_.update(all_, nullptr, 0);
+    }
+    bool can_search(const char* function) const {
+        if constexpr (reserves) return true;
+        else
+            return !is_broken_ ||
+                   detail::refuse(function, "index", "lost for want of memory", "update() or a step makes it anew");
+    }
+
     detail::proxies<Space> all_;
     Index index_;
     detail::pair_set pairs_;
+    bool is_broken_ = false;
     arena scratch_;
 };
 

@@ -20,6 +20,14 @@ public:
     using box = float_box<D>;
     static constexpr int max_levels = 11;
 
+    /// Takes the memory to be built of so many: false where there is none, and it is not needed.
+    [[nodiscard]] bool try_reserve(std::uint32_t count, bool must) {
+        const std::uint32_t leaves = (count + 7) / 8;
+        std::uint32_t total = leaves;
+        for (std::uint32_t n = leaves; n > 1; total += n) n = (n + 7) / 8;
+        return ids_.try_reserve(leaves * 8, must) && filters_.try_reserve(leaves * 8, must) &&
+               marks_.try_reserve(leaves, must) && nodes_.try_reserve(total, must);
+    }
     /// Holds the proxies of these items, in their order; box_at(i) gives the box of item i, filter_of(id) a filter.
     template <class Box, class Filter>
     void build(const packed_item* items, std::uint32_t count, Box&& box_at, Filter&& filter_of) {

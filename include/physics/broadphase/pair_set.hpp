@@ -64,6 +64,10 @@ public:
         begun_.clear();
         ended_.clear();
         if (found.size() == 0 && all.changed().empty()) return;
+        // All memory first, so that pairs are not left half changed.
+        begun_.reserve(found.size());
+        ended_.reserve(pairs_.size());
+        pairs_.reserve(pairs_.size() + found.size());
         const std::uint64_t* now = found.sorted();
         const std::uint64_t* const end = now + found.size();
         std::uint32_t left = 0, added = 0;

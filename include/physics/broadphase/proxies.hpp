@@ -123,17 +123,26 @@ public:
     [[nodiscard]] const buffer<std::uint32_t>& changed() const { return changed_; }
     /// Those that left their box since the index last heard of it, once each.
     [[nodiscard]] const buffer<std::uint32_t>& dirty_for_index() const { return unseen_; }
+    [[nodiscard]] bool dirty_for_index(std::uint32_t id) const { return entries_[id].dirty_for_index; }
     void flush_to_index() {
         for (const std::uint32_t id : unseen_) entries_[id].dirty_for_index = false;
         unseen_.clear();
     }
 
+    /// Takes the memory for whatever happens to proxies of numbers below `slots`: nothing else here takes any then.
+    PHYSICS_HPP_NOINLINE void reserve(std::uint32_t slots) {
+        entries_.reserve(slots);
+        boxes_.reserve(slots);
+        used_.grow(slots);
+        stale_.grow(slots);
+        changed_.reserve(slots);
+        unseen_.reserve(slots);
+    }
     void insert(std::uint32_t id, const aabb& box, const proxy_filter& filter) {
+        reserve(id < entries_.size() ? entries_.size() : id + 1);
         if (id >= entries_.size()) {
             entries_.resize(id + 1);
             boxes_.resize(id + 1);
-            used_.grow(id + 1);
-            stale_.grow(id + 1);
         }
         entries_[id].filter = filter;
         used_.set(id);
@@ -157,6 +166,7 @@ public:
     }
     /// Gives a proxy a new box around this one, wider on the way ahead.
     void move(std::uint32_t id, const aabb& box, const vec& displacement) {
+        reserve(entries_.size());
         boxes_[id] = with_margin(box);
         for (int i = 0; i < D; ++i) {
             // No farther than the box is wide: a teleport is no velocity.

@@ -5,8 +5,8 @@
 #include "physics/broadphase/arrange.hpp"
 #include "physics/broadphase/box_tail.hpp"
 #include "physics/broadphase/box_tests.hpp"
-#include "physics/broadphase/packed_tree.hpp"
 #include "physics/broadphase/proxies.hpp"
+#include "physics/broadphase/tree_pairs.hpp"
 
 PHYSICS_HPP_BEGIN
 
@@ -25,9 +25,15 @@ public:
     using tree = packed_tree<D>;
     static constexpr bool exact = true;
 
+    /// Takes the memory for so many changes, of numbers below `slots`, and for the update after them.
+    void reserve(const table& all, std::uint32_t slots, std::uint32_t changes) {
+        places_.reserve(slots);
+        reserve_update(all.dirty_for_index().size() + changes);
+    }
     void insert(const table& all, std::uint32_t id) {
-        if (id >= places_.size()) places_.resize(id + 1);
         kind& k = kinds_[all.is_movable(id)];
+        k.unsorted.reserve(k.unsorted.size() + 1);
+        if (id >= places_.size()) places_.resize(id + 1);
         add_unsorted(all, k, id);
         pop_unsorted(all, k);
     }
@@ -35,6 +41,7 @@ public:
 
     /// Brings the trees up to date with the boxes of these proxies.
     void update(const table& all, const std::uint32_t* ids, std::uint32_t count) {
+        reserve_update(count);
         for (int m = 0; m < 2; ++m) {
             kind& k = kinds_[m];
             keys_.clear();
@@ -46,7 +53,8 @@ public:
                 else keys_.push_back(std::uint64_t{places_[id]} << 32 | id);
             }
             const std::uint32_t staging = k.staging.live() + k.unsorted.size(), live = k.main.live() + staging;
-            if (staging > live / 8 || (k.size > max_growth * k.packed_size && !keys_.empty())) {
+            if ((staging > live / 8 || (k.size > max_growth * k.packed_size && !keys_.empty())) &&
+                has_room(k.main, live, false)) {
                 pack_all(all, k);
                 if (m == 1) follow(all);
                 continue;
@@ -56,7 +64,7 @@ public:
                 for (std::uint32_t slot = 0; slot < k.main.leaves() * 8; ++slot) {
                     fetch_ahead(all, k.main, slot);
                     const std::uint32_t id = k.main.id(slot);
-                    if (id != no_proxy && all.stale(id)) place(all, k, id);
+                    if (id != no_proxy && all.stale(id) && all.dirty_for_index(id)) place(all, k, id);
                 }
             } else {
                 scratch_.resize(keys_.size());
@@ -81,24 +89,28 @@ public:
             emit_pair(a, b);
         };
         for (kind& k : kinds_)
-            if (!k.unsorted.empty()) pack_staging(all, k);
+            if (!k.unsorted.empty() && has_room(k.staging, k.staging.live() + k.unsorted.size(), true))
+                pack_staging(all, k);
         kind &fixed = kinds_[0], &movable = kinds_[1];
         bool everything = true;
         for (tree* x : {&movable.main, &movable.staging}) everything = everything && x->all_marked();
         for (tree* x : {&movable.main, &movable.staging}) {
             const bool first = x == &movable.main;
-            find_pairs(*x, movable.main, first ? same : before, everything, emit);
-            find_pairs(*x, movable.staging, first ? after : same, everything, emit);
-            find_pairs(*x, fixed.main, after, false, emit);
-            find_pairs(*x, fixed.staging, after, false, emit);
+            find_pairs(*x, movable.main, first ? tree_order::same : tree_order::before, everything, emit);
+            find_pairs(*x, movable.staging, first ? tree_order::after : tree_order::same, everything, emit);
+            find_pairs(*x, fixed.main, tree_order::after, false, emit);
+            find_pairs(*x, fixed.staging, tree_order::after, false, emit);
         }
         for (tree* x : {&fixed.main, &fixed.staging})
-            for (tree* y : {&movable.main, &movable.staging}) find_pairs(*x, *y, before, false, emit);
+            for (tree* y : {&movable.main, &movable.staging}) find_pairs(*x, *y, tree_order::before, false, emit);
+        return everything;
+    }
+    /// What was found has been taken in: nothing is stale any more.
+    void end_search() {
         for (kind& k : kinds_) {
             k.main.clear_marks();
             k.staging.clear_marks();
         }
-        return everything;
     }
 
     /// How many blocks of eight boxes a search for this box looks at: what a query costs.
@@ -213,7 +225,6 @@ private:
     }
 
     enum : std::uint32_t { staging_place = 1u << 30, unsorted_place = 2u << 30, slot_mask = (1u << 30) - 1 };
-    enum order { before, same, after };
     /// How much larger leaves may get by moving before the tree is packed anew.
     static constexpr double max_growth = 1.2;
 
@@ -267,7 +278,7 @@ private:
         k.unsorted.push_back(id, box_of(all, id));
     }
 
-    void gather(const table& all, const tree& from) {
+    PHYSICS_HPP_NOINLINE void gather(const table& all, const tree& from) {
         for (std::uint32_t slot = 0; slot < from.leaves() * 8; ++slot) {
             fetch_ahead(all, from, slot);
             if (from.id(slot) != no_proxy) add_item(all, from.id(slot));
@@ -285,7 +296,7 @@ private:
         for (int i = 0; i < D; ++i) item.middle[i] = box.lower[i] * 0.25f + box.upper[i] * 0.25f;
         items_.push_back(item);
     }
-    void pack(const table& all, kind& k, tree& to, std::uint32_t tag) {
+    PHYSICS_HPP_NOINLINE void pack(const table& all, kind& k, tree& to, std::uint32_t tag) {
         for (const std::uint32_t id : k.unsorted) add_item(all, id);
         k.unsorted.clear();
         spare_items_.resize(items_.size());
@@ -305,9 +316,21 @@ private:
         }
         items_.clear();
     }
+    /// Takes the memory to pack so many into a tree, so that nothing fails while it is packed: false where there is
+    /// none, and it is not needed.
+    PHYSICS_HPP_NOINLINE bool has_room(tree& to, std::uint32_t count, bool must) {
+        return items_.try_reserve(count, must) && spare_items_.try_reserve(count, must) && to.try_reserve(count, must);
+    }
+    PHYSICS_HPP_NOINLINE void reserve_update(std::uint32_t count) {
+        for (kind& k : kinds_) k.unsorted.reserve(k.unsorted.size() + count);
+        keys_.reserve(count);
+        scratch_.reserve(count);
+        touched_.reserve(count);
+    }
     /// Packs what waits in the tail once it is long for a search in no order; a search for pairs does so in any case.
     void pop_unsorted(const table& all, kind& k) {
-        if (k.unsorted.size() > 64 + k.staging.live()) pack_staging(all, k);
+        const std::uint32_t live = k.staging.live();
+        if (k.unsorted.size() > 64 + live && has_room(k.staging, live + k.unsorted.size(), false)) pack_staging(all, k);
     }
     void pack_staging(const table& all, kind& k) {
         gather(all, k.staging);
@@ -332,42 +355,10 @@ private:
                 wide = size > wide ? size : wide;
             }
             if (!(far > 8 * wide)) return;
+            for (kind& k : kinds_)
+                if (!has_room(k.main, k.main.live() + k.staging.live() + k.unsorted.size(), false)) return;
             for (int i = 0; i < D; ++i) origin_[i] += S(static_cast<double>(box.lower[i] * 0.5f + box.upper[i] * 0.5f));
             for (kind& k : kinds_) pack_all(all, k);
-        }
-    }
-
-    /// The pairs of a marked box of x with a box of y; where y's is marked as well, from the side of the earlier leaf.
-    template <class Emit>
-    void find_pairs(const tree& x, const tree& y, order y_is, bool all_marked, Emit&& emit) {
-        if (!x.any_marked()) return;
-        for (std::uint32_t l = 0; l < x.leaves(); ++l) {
-            const std::uint32_t moved = x.marked(l);
-            if (moved == 0) continue;
-            const float_box<D> reach = moved == 0xffu ? x.around(l) : x.around(l, moved);
-            const auto& leaf = x.leaf(l);
-            y.search(
-                y_is == same && all_marked ? l : 0, [&](const auto& block) { return block.overlapping(reach); },
-                [&](std::uint32_t m, std::uint32_t near) {
-                    const auto& other = y.leaf(m);
-                    const bool itself = y_is == same && m == l;
-                    const std::uint32_t twice = y_is == after || (y_is == same && m > l) ? 0 : y.marked(m);
-                    if (itself) {
-                        each_bit(moved, [&](std::uint32_t i) {
-                            const std::uint32_t earlier = (moved & ((1u << i) - 1)) | 1u << i;
-                            each_bit(leaf.overlapping(leaf.get(i)) & ~earlier,
-                                     [&](std::uint32_t k) { emit(x, l * 8 + i, x, l * 8 + k); });
-                        });
-                        return;
-                    }
-                    near &= ~twice;
-                    if (near == 0) return;
-                    const std::uint32_t mine = moved & leaf.overlapping(y.around(m));
-                    each_bit(mine, [&](std::uint32_t i) {
-                        each_bit(near & other.overlapping(leaf.get(i)),
-                                 [&](std::uint32_t k) { emit(x, l * 8 + i, y, m * 8 + k); });
-                    });
-                });
         }
     }
 

@@ -37,7 +37,9 @@ namespace detail {
 /// union algorithm (1975), with halving of paths; the least number rules, so that names follow from the sets alone.
 class disjoint_sets {
 public:
-    disjoint_sets(std::uint32_t count, arena& scratch) : parent_(scratch.allocate<std::uint32_t>(count)) {
+    disjoint_sets(std::uint32_t count, arena& scratch) : disjoint_sets(count, scratch.allocate<std::uint32_t>(count)) {}
+    /// In memory of the caller's, for so many numbers.
+    disjoint_sets(std::uint32_t count, std::uint32_t* memory) : parent_(memory) {
         for (std::uint32_t i = 0; i < count; ++i) parent_[i] = i;
     }
     [[nodiscard]] std::uint32_t find(std::uint32_t i) {

@@ -36,11 +36,7 @@ Block* new_geometry(std::size_t bytes) {
     static_assert(std::is_base_of_v<geometry_block, Block> && std::is_trivially_destructible_v<Block> &&
                   alignof(Block) <= geometry_block::alignment);
     void* memory = std::calloc(bytes + geometry_block::alignment, 1);
-    if (memory == nullptr) {
-        // As for buffers: without the memory nothing can continue.
-        refuse("geometry", "memory", static_cast<double>(bytes), "the bytes are not available");
-        std::abort();
-    }
+    if (memory == nullptr) refuse_memory("geometry", static_cast<double>(bytes));
     const std::uintptr_t place = reinterpret_cast<std::uintptr_t>(memory);
     const std::uintptr_t ahead = geometry_block::alignment - place % geometry_block::alignment;
     Block* block = new (static_cast<void*>(static_cast<unsigned char*>(memory) + ahead)) Block;

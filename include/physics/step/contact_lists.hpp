@@ -38,6 +38,7 @@ void merge_contacts(buffer<Contact>& to, const buffer<Contact>& more) {
 /// no more, and goes with the next step, in one pass for all: until then no other shape of these numbers has any.
 class removed_shapes {
 public:
+    void reserve(std::uint32_t shapes) { is_removed_.reserve(shapes); }
     void make_room(std::uint32_t shapes) { is_removed_.grow(shapes); }
     void add(std::uint32_t shape) { is_removed_.set(shape); }
     [[nodiscard]] bool any() const { return !is_removed_.empty(); }

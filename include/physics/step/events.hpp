@@ -182,12 +182,15 @@ struct step_events {
     buffer<proxy_pair> solid_pairs, overlaps, now_inside, passed;
     buffer<far_body<D>> far;
 
+    void clear_sensor_events() {
+        sensor_begin.clear();
+        sensor_end.clear();
+    }
     void forget() {
         contact_begin.clear();
         contact_end.clear();
         hits.clear();
-        sensor_begin.clear();
-        sensor_end.clear();
+        clear_sensor_events();
         slept.clear();
         woken.clear();
         moved.clear();

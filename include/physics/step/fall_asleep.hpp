@@ -27,15 +27,16 @@ public:
           awake_(awake),
           bodies_(bodies),
           sleep_(sleep),
-          scratch_(scratch) {}
+          count_(awake.size()),
+          parents_(scratch.template allocate<std::uint32_t>(count_)),
+          island_(scratch.template allocate<island>(count_)),
+          support_(scratch.template allocate<support>(count_ + 1)) {}
 
     /// Calls asleep(body) for those that fall asleep, once they are.
     template <class Asleep>
     void run(Asleep&& asleep) {
         if (!update_sleep_times()) return;
-        count_ = awake_.size();
-        disjoint_sets sets(count_, scratch_);
-        island_ = scratch_.template allocate<island>(count_);
+        disjoint_sets sets(count_, parents_);
         for (std::uint32_t k = 0; k < count_; ++k) new (island_ + k) island{};
         const S slack = gravity_slack(settings_.gravity, step_);
         each_edge(slack, [&](std::uint32_t a, std::uint32_t b, auto&& holds) {
@@ -100,8 +101,8 @@ private:
     /// Of each body that moves; null if none of the slow ones has moved far.
     template <class IsSlow, class IsFar>
     const support* find_supports(IsSlow&& is_slow, IsFar&& is_far) {
-        const std::uint32_t count = awake_.size();
-        auto* found = scratch_.template allocate<support>(count + 1);
+        const std::uint32_t count = count_;
+        support* const found = support_;
         bool any = false;
         for (std::uint32_t k = 0; k < count; ++k) {
             const bool asked = is_slow(bodies_[awake_[k]]) && is_far(awake_[k]);
@@ -183,20 +184,32 @@ private:
     const awake_list& awake_;
     pool<typename Plan::body>& bodies_;
     sleep_state<Plan>& sleep_;
-    arena& scratch_;
-    std::uint32_t count_ = 0;
-    island* island_ = nullptr;
+    std::uint32_t count_;
+    // Taken before anything changes, so that nothing fails later.
+    std::uint32_t* parents_;
+    island* island_;
+    support* support_;
 };
 
+struct no_sleep_judge {};
+/// With the memory that it needs.
+template <class Plan>
+auto make_sleep_judge([[maybe_unused]] const buffer<typename Plan::contact>& contacts,
+                      [[maybe_unused]] edge_range joints, [[maybe_unused]] const typename Plan::settings& settings,
+                      [[maybe_unused]] typename Plan::scalar h, [[maybe_unused]] const awake_list& awake,
+                      [[maybe_unused]] pool<typename Plan::body>& bodies, [[maybe_unused]] sleep_of<Plan>& sleep,
+                      [[maybe_unused]] arena& scratch) {
+    if constexpr (Plan::sleeps) return sleep_judge<Plan>(contacts, joints, settings, h, awake, bodies, sleep, scratch);
+    else return no_sleep_judge{};
+}
 /// The step's contacts and joints, and how bodies move -> which of them sleep. True if any have fallen asleep. O(bodies
 /// + contacts).
 template <class Plan>
-bool fall_asleep(const buffer<typename Plan::contact>& contacts, edge_range joints,
-                 const typename Plan::settings& settings, typename Plan::scalar h, const shape_pool<Plan>& shapes,
+bool fall_asleep(sleep_judge<Plan>& judge, const typename Plan::settings& settings, const shape_pool<Plan>& shapes,
                  awake_list& awake, pool<typename Plan::body>& bodies, sleep_state<Plan>& sleep,
-                 typename Plan::broadphase& broadphase, arena& scratch) {
+                 typename Plan::broadphase& broadphase) {
     bool any = false;
-    sleep_judge<Plan>(contacts, joints, settings, h, awake, bodies, sleep, scratch).run([&](std::uint32_t i) {
+    judge.run([&](std::uint32_t i) {
         reinsert_proxies<Plan>(bodies, shapes, sleep, settings.contact_margin, broadphase, i);
         if constexpr (Plan::events::sleep) sleep.changes.slept.push_back({i, bodies.generation(i), 0});
         any = true;

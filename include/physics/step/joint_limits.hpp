@@ -56,6 +56,15 @@ void drop_limit(const joint_set<S, D, Joints>& all, const pool<body<S, D, Rotate
     at_limit.pop_back();
 }
 
+/// Takes the memory for update_limits, of so many joints of a step.
+template <class S, int D>
+void reserve_limits(std::uint32_t joints, std::uint32_t slots, const joint_limit_state& limits, step_events<S, D>& to) {
+    const std::uint32_t before = limits.at_limit.size();
+    to.now_at_limit.reserve(before + joints);
+    to.looked_at.reserve(slots);
+    to.limit_begin.reserve(joints);
+    to.limit_end.reserve(before + limits.dropped.size());
+}
 /// What the joints of a step gave -> which have come to limits, and which have left them. O(joints of the step).
 template <class S, int D, class Joints, bool Rotates, class Sleep>
 void update_limits(const step_joints<S, D, Joints>& found, const joint_set<S, D, Joints>& all,

@@ -128,6 +128,14 @@ public:
         if (added > 0) insert(segments, count, added);
         clear_if_empty();
     }
+    /// The size of what is kept of all, in units.
+    [[nodiscard]] std::uint32_t units() const { return units_.size(); }
+    /// Takes the memory for so many more, of so many units.
+    void reserve_more(std::uint32_t pairs, std::uint32_t units) {
+        pairs_.reserve(pairs_.size() + pairs);
+        places_.reserve(places_.size() + pairs);
+        units_.reserve(units_.size() + units);
+    }
     /// Exchanges the memory of each of the buffers with that of another which is empty too, if it has more.
     void swap_larger(pair_cache& other) {
         const auto swap_larger_one = [](auto& mine, auto& theirs) {
@@ -257,6 +265,15 @@ struct pair_cache_changes {
         const std::uint32_t first = to.size();
         pairs.save_to_cache(before, is_kept, to);
         segments[segment] = {&to, first, to.size()};
+    }
+    /// Takes the memory for that.
+    void reserve(memories& of, std::uint32_t workers) {
+        if (is_one && of.size() == 0) return;
+        for (std::uint32_t k = 0, pairs = 0, units = 0; k < workers; ++k) {
+            pairs += by[k].size();
+            units += by[k].units();
+            of.reserve_more(pairs, units);
+        }
     }
     void finish(memories& of) {
         if (is_one && of.size() == 0) of.swap(by[0]);

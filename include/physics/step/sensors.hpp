@@ -87,8 +87,7 @@ public:
     sensor_update(const sensor_input<Plan>& in, manifold_list<S, D>& manifolds) : in_(in), manifolds_(manifolds) {}
 
     void run(const buffer<proxy_pair>& pairs, sensor_state& sensors, step_events<S, D>& to) {
-        to.sensor_begin.clear();
-        to.sensor_end.clear();
+        to.clear_sensor_events();
         list_inside(pairs, sensors, to.passed, to.overlaps);
         auto &before = sensors.inside, &now = to.overlaps, &next = to.now_inside;
         next.clear();
@@ -105,6 +104,7 @@ public:
                 to.sensor_begin.push_back(sensor_event_of<Plan>(in_.bodies, in_.shapes, now[k++]));
             }
         }
+        to.sensor_end.reserve(to.sensor_end.size() + sensors.dropped.size());
         before.swap(next);
         for (const sensor_event& e : sensors.dropped) to.sensor_end.push_back(e);
         if (!sensors.dropped.empty())

@@ -38,10 +38,19 @@ wake_input<Plan> to_wake(state<Plan>& s, step_data<Plan>& d) {
     return {s.bodies, s.shapes, s.joints, s.settings, s.step_lengths, s.sleep, s.awake, s.contacts, s.broadphase, d};
 }
 
-/// Brings bodies back that were asleep, listed in step.woken: they can be pushed again, and what touches them is looked
-/// at again.
+/// Takes the memory to wake the bodies that are listed in step.woken, and for so many changes of the broadphase more.
 template <class Plan>
-void finish_waking(const wake_input<Plan>& w) {
+PHYSICS_HPP_NOINLINE void reserve_waking(const wake_input<Plan>& w, std::uint32_t slots, std::uint32_t changes) {
+    if constexpr (Plan::events::sleep)
+        w.sleep.changes.woken.reserve(w.sleep.changes.woken.size() + w.step.woken.size());
+    for (const std::uint32_t i : w.step.woken)
+        each_shape(w.bodies, w.shapes, i, [&](std::uint32_t, const auto&) { ++changes; });
+    if (changes > 0) reserve_changes(w.broadphase, slots, changes);
+}
+/// Brings bodies back that were asleep, listed in step.woken: they can be pushed again, and what touches them is looked
+/// at again. With the memory of reserve_waking nothing fails.
+template <class Plan>
+PHYSICS_HPP_NOINLINE void wake_bodies(const wake_input<Plan>& w) {
     for (const std::uint32_t i : w.step.woken) {
         if (w.sleep.is_asleep(i)) {
             --w.sleep.sleepers;
@@ -61,64 +70,71 @@ void take_woken_contacts(const wake_input<Plan>& w, F&& f) {
     partition_contacts(
         w.sleep.contacts, [&](const auto& c) { return !is_pushed(c.bodies.body_a) && !is_pushed(c.bodies.body_b); }, f);
 }
-/// Wakes the island of a body, if it sleeps: says whether.
+/// Begins a list of islands to wake, in step.woken.
 template <class Plan>
-PHYSICS_HPP_NOINLINE bool wake_island(const wake_input<Plan>& w, std::uint32_t body) {
-    if (!w.sleep.is_asleep(body)) return false;
-    each_of_island(w.sleep, body, [&](std::uint32_t i) { w.step.woken.push_back(i); });
-    finish_waking(w);
-    return true;
-}
-/// Brings the contacts of islands that have been woken back among the others.
-template <class Plan>
-PHYSICS_HPP_NOINLINE void return_contacts(const wake_input<Plan>& w) {
-    auto& woken = w.step.new_contacts;
-    woken.clear();
-    take_woken_contacts(w, [&](const auto& c) { woken.push_back(c); });
-    rescale_impulses(woken.begin(), woken.end(), {w.sleep.step, w.sleep.step}, w.step_lengths);
-    merge_contacts(w.contacts, woken);
-    w.step.note_contacts_moved();
-}
-/// Wakes the islands of those that each(f) calls f(body) for, at once, with their contacts. O(contacts of sleepers).
-template <class Plan, class Each>
-void wake_islands(const wake_input<Plan>& w, Each&& each) {
-    // A step that was refused may have left its list.
+void start_waking(const wake_input<Plan>& w) {
+    // What was refused may have left its list.
     w.step.woken.clear();
-    bool any = false;
-    each([&](std::uint32_t body) { any = wake_island(w, body) || any; });
-    if (any) return_contacts(w);
+    w.step.is_listed.clear();
+}
+/// Lists the island of a body, if it sleeps and is not there.
+template <class Plan>
+PHYSICS_HPP_NOINLINE void list_island(const wake_input<Plan>& w, std::uint32_t body) {
+    auto& is_listed = w.step.is_listed;
+    if (!w.sleep.is_asleep(body) || is_listed.has(body)) return;
+    is_listed.grow(w.bodies.slots());
+    each_of_island(w.sleep, body, [&](std::uint32_t i) {
+        w.step.woken.push_back(i);
+        is_listed.set(i);
+    });
+}
+/// Lists the contacts of those islands in step.new_contacts, and takes the memory for finish_waking, and for so many
+/// changes of the broadphase more, of shapes of numbers below `slots`. It changes nothing of the world. O(contacts of
+/// sleepers).
+template <class Plan>
+PHYSICS_HPP_NOINLINE void prepare_waking(const wake_input<Plan>& w, std::uint32_t slots, std::uint32_t changes) {
+    reserve_waking(w, slots, changes);
+    if (w.step.woken.empty()) return;
+    const auto& is_listed = w.step.is_listed;
+    auto& returning = w.step.new_contacts;
+    returning.clear();
+    for (const auto& c : w.sleep.contacts)
+        if (is_listed[c.bodies.body_a] || is_listed[c.bodies.body_b]) returning.push_back(c);
+    w.contacts.reserve(w.contacts.size() + returning.size());
+}
+/// Wakes the islands of prepare_waking, at once, with their contacts. Nothing fails.
+template <class Plan>
+PHYSICS_HPP_NOINLINE void finish_waking(const wake_input<Plan>& w) {
+    if (w.step.woken.empty()) return;
+    wake_bodies(w);
+    take_woken_contacts(w, [](const auto&) {});
+    auto& returning = w.step.new_contacts;
+    rescale_impulses(returning.begin(), returning.end(), {w.sleep.step, w.sleep.step}, w.step_lengths);
+    merge_contacts(w.contacts, returning);
+    w.step.note_contacts_moved();
 }
 /// Lists those asleep in a box that a shape meets.
 template <class Plan>
-void list_near(const wake_input<Plan>& w, const shape_record<Plan>& shape,
-               const aabb<typename Plan::scalar, Plan::dimension>& box) {
+PHYSICS_HPP_NOINLINE void list_near(const wake_input<Plan>& w, const shape_record<Plan>& shape,
+                                    const aabb<typename Plan::scalar, Plan::dimension>& box) {
     each_near(w, box, query_filter{.any_category = true}, [&](std::uint32_t other) {
         const auto& there = w.shapes[other];
-        if (w.sleep.is_asleep(there.body) && may_meet(shape.filter, there.filter)) w.step.near.push_back(there.body);
+        if (w.sleep.is_asleep(there.body) && may_meet(shape.filter, there.filter)) list_island(w, there.body);
         return true;
     });
 }
-/// Wakes the islands of those that are listed.
+/// Lists those asleep that lie where a body is, or on its way to another pose, if it meets them, and those that joints
+/// hold to it.
 template <class Plan>
-void wake_listed(const wake_input<Plan>& w) {
-    wake_islands(w, [&](auto&& f) {
-        for (const std::uint32_t i : w.step.near) f(i);
-    });
-}
-/// Wakes those that lie where a body is, or on its way to another pose, if it meets them, and those that joints hold to
-/// it.
-template <class Plan>
-void wake_near(const wake_input<Plan>& w, std::uint32_t body,
+void list_near(const wake_input<Plan>& w, std::uint32_t body,
                const transform<typename Plan::scalar, Plan::dimension>& to) {
     if (w.sleep.sleepers == 0) return;
-    w.step.near.clear();
     each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto& shape) {
         // What comes into a sensor that moves is seen though it sleeps.
         if (shape.sensor && w.bodies[body].type != body_type::static_body) return;
         list_near(w, shape, merged(query_bounds(w, shape), bounds(shape.shape, to * shape.local)));
     });
-    each_connected(w.joints, body, [&](std::uint32_t other) { w.step.near.push_back(other); });
-    wake_listed(w);
+    each_connected(w.joints, body, [&](std::uint32_t other) { list_island(w, other); });
 }
 /// Wakes what kinematic bodies are going to run into.
 template <class Plan>
@@ -130,7 +146,10 @@ void wake_ahead(const wake_input<Plan>& w, typename Plan::scalar h) {
             continue;
         auto turn = b.rotation;
         if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
-        wake_near(w, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
+        start_waking(w);
+        list_near(w, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
+        prepare_waking(w, w.shapes.slots(), 0);
+        finish_waking(w);
     }
 }
 
@@ -170,7 +189,7 @@ bool list_woken(const buffer<typename Plan::contact>& contacts, const pool<typen
 template <class Plan>
 void commit_woken(const wake_input<Plan>& w) {
     if (w.step.woken.empty()) return;
-    finish_waking(w);
+    wake_bodies(w);
     take_woken_contacts(w, [](const auto&) {});
 }
 

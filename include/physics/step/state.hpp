@@ -299,6 +299,11 @@ void each_solid_shape(const pool<typename Plan::body>& bodies, const shape_pool<
     });
 }
 
+/// Takes the memory for so many changes of the broadphase, of shapes of numbers below `slots`.
+template <class Broadphase>
+void reserve_changes(Broadphase& broadphase, std::uint32_t slots, std::uint32_t changes) {
+    if constexpr (requires { broadphase.reserve(slots, changes); }) broadphase.reserve(slots, changes);
+}
 /// Enters the shapes of a body into the broadphase anew: it has become another kind of proxy.
 template <class Plan>
 void reinsert_proxies(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes,

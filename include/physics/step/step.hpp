@@ -7,6 +7,7 @@
 #include "physics/step/find_pairs.hpp"
 #include "physics/step/joint_limits.hpp"
 #include "physics/step/publish.hpp"
+#include "physics/step/reserve.hpp"
 #include "physics/step/seams.hpp"
 #include "physics/step/sensor_sweep.hpp"
 #include "physics/step/sensors.hpp"
@@ -130,12 +131,17 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
                                          extents,  s.settings, d.passing,    d.new_contacts, s.tag};
         sweep_report = sweep(to_sweep, moved, h, d.sweep);
     }
-    // Poses -> poses of shapes, and boxes in the broadphase of those that left theirs; put back if one does not fit.
-    if (!update_boxes<Plan>(s.bodies, s.awake, moved, s.settings.contact_margin, h, s.shapes, s.broadphase, d.scratch,
-                            tasks))
+    // Poses -> poses of shapes, and boxes in the broadphase of those that left theirs; put back unless they are kept.
+    box_update<Plan> boxes(s.bodies, s.awake, moved, s.settings.contact_margin, h, s.shapes, s.broadphase);
+    if (!boxes.run(d.scratch, tasks))
         return tasks.ran_all_tasks() ? step_result::out_of_range : step_result::bad_executor;
     done(step_stage::update_boxes);
 
+    // All memory that is needed once results are published.
+    reserve_results<Plan>(s.awake, s.joints, s.joint_limits, s.memories, tasks.workers(), d);
+    if constexpr (Plan::sleeps) reserve_sleep(to_wake(s, d), h);
+    [[maybe_unused]] auto judge =
+        make_sleep_judge<Plan>(s.contacts, joint_edges(d), s.settings, h, s.awake, s.bodies, s.sleep, d.scratch);
     // Contacts, how bodies have moved -> which shapes touch, and what is told of that, in d.events.
     if constexpr (Plan::events::contacts || Plan::events::hits) {
         const touch_input<Plan> to_touch{
@@ -143,8 +149,11 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
         touch_events<Plan, decltype(moved)> events(to_touch, moved, d.events);
         if constexpr (Plan::events::contacts) events.find_touching(s.dropped.list, d.new_contacts);
         if constexpr (Plan::events::hits) events.find_hits(d.new_contacts, s.settings.events.hit_speed);
+        if constexpr (Plan::events::contacts) events.keep(s.dropped.list);
+        else events.keep();
     }
     // Results -> bodies and contacts. From here on nothing fails.
+    boxes.keep();
     publish(s, d, moved, warm, h);
     if constexpr (Plan::events::moves) list_moved(s.bodies, s.contact_starts, s.awake, s.tag, d.events.moved);
     if constexpr (Plan::has_joints) break_joints(d.joints, s.bodies, s.joints, s.sleep);
@@ -157,13 +166,13 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
         // What was woken is awake for good, and so is what kinematic bodies are going to run into.
         commit_woken(to_wake(s, d));
     }
-    // Poses, boxes -> what has come into sensors and left them, in d.events.
-    if constexpr (Plan::events::sensors) update_sensors(s, d, h);
+    // Poses, boxes -> what has come into sensors and left them, in d.events; without memory the next step tells of it.
+    if constexpr (Plan::events::sensors)
+        if (!run_if_memory_lasts([&] { update_sensors(s, d, h); })) d.events.clear_sensor_events();
     if constexpr (Plan::sleeps) {
         wake_ahead(to_wake(s, d), h);
         // Contacts, joints, and how bodies move -> islands that fall asleep, with their contacts.
-        if (fall_asleep<Plan>(s.contacts, joint_edges(d), s.settings, h, s.shapes, s.awake, s.bodies, s.sleep,
-                              s.broadphase, d.scratch)) {
+        if (fall_asleep<Plan>(judge, s.settings, s.shapes, s.awake, s.bodies, s.sleep, s.broadphase)) {
             move_contacts_to_sleepers<Plan>(s.bodies, s.step_lengths, s.contacts, s.sleep, d.new_contacts);
             if constexpr (Plan::remembers)
                 s.memories.drop([&](std::uint32_t shape) { return s.is_asleep(s.shapes[shape].body); });

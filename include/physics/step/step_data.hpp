@@ -119,8 +119,10 @@ struct step_data {
     /// All that holds bodies together: of contacts, in their order, behind them of joints.
     buffer<edge> edges;
     [[no_unique_address]] step_joints_of<Plan> joints;
-    /// Bodies woken in this step; sleeping bodies near a change.
-    buffer<std::uint32_t> woken, near;
+    /// Bodies that are woken by the step, or by a change between steps; of the latter, and of what kinematic bodies run
+    /// into, each is noted.
+    buffer<std::uint32_t> woken;
+    bit_array is_listed;
     buffer<proxy_pair> woken_pairs;
     buffer<contact> woken_contacts;
     [[no_unique_address]] sweep_data_of<Plan> sweep;

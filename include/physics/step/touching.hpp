@@ -76,12 +76,16 @@ class touch_events {
 public:
     touch_events(const touch_input<Plan>& in, const Moved& moved, step_events<S, D>& to)
         : in_(in), moved_(moved), to_(to) {}
+    touch_events(const touch_events&) = delete;
+    touch_events& operator=(const touch_events&) = delete;
+    /// Of a step that fails nothing is told, and the pairs are listed anew.
+    ~touch_events() {
+        if (!is_kept_) to_.forget();
+    }
 
     void find_touching(buffer<contact_event>& dropped, buffer<contact>& contacts) {
-        // Listed anew if anything of this fails.
-        const bool is_stale = std::exchange(to_.is_stale, true);
         auto &before = to_.touching, &now = to_.now_touching;
-        if (is_stale) list_touching(dropped);
+        if (to_.is_stale) list_touching(dropped);
         add_woken();
         to_.contact_begin.clear();
         to_.contact_end.clear();
@@ -100,10 +104,15 @@ public:
             compare(before, now, dropped);
         for (auto* events : {&to_.contact_begin, &to_.contact_end})
             for (contact_event& e : *events) set_tags(e);
-        before.swap(now);
+    }
+    /// The step has succeeded.
+    void keep(buffer<contact_event>& dropped) {
+        keep();
+        to_.touching.swap(to_.now_touching);
         dropped.clear();
         to_.is_stale = false;
     }
+    void keep() { is_kept_ = true; }
 
     void find_hits(const buffer<contact>& contacts, S threshold) {
         to_.hits.clear();
@@ -252,6 +261,7 @@ private:
     const touch_input<Plan>& in_;
     const Moved& moved_;
     step_events<S, D>& to_;
+    bool is_kept_ = false;
 };
 
 /// Notes which points bear something as a step begins, by what they have inherited.

@@ -7,7 +7,9 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Shapes and broadphase are what a step writes before it has succeeded: where it has not, they are brought back.
+/// Poses -> poses and boxes of shapes, and where these are heading; bodies with a target are there, to the bit. Shapes
+/// and broadphase are what a step writes before it has succeeded: unless they are to be kept, they are brought back.
+/// O(shapes that move).
 template <class Plan>
 class box_update {
     using S = typename Plan::scalar;
@@ -24,13 +26,23 @@ public:
           step_(h),
           shapes_(shapes),
           boxes_(broadphase) {}
-
-    bool run(arena& scratch, task_runner& tasks) {
-        const bool fit = tasks.is_serial() ? update() : update(scratch, tasks);
-        if (!fit) restore();
-        if constexpr (requires { boxes_.update(); }) boxes_.update();
-        return fit;
+    box_update(const box_update&) = delete;
+    box_update& operator=(const box_update&) = delete;
+    ~box_update() {
+        if (has_begun_ && !is_kept_) restore();
     }
+
+    /// False if a box is beyond the scalar's range, or the executor fails.
+    bool run(arena& scratch, task_runner& tasks) {
+        reserve_changes(boxes_, shapes_.slots(), 0);
+        has_begun_ = true;
+        if (!(tasks.is_serial() ? update() : update(scratch, tasks))) return false;
+        // To go back too: what is brought back finds the memory.
+        reserve_changes(boxes_, shapes_.slots(), moves_);
+        if constexpr (requires { boxes_.update(); }) boxes_.update();
+        return true;
+    }
+    void keep() { is_kept_ = true; }
 
 private:
     bool update() {
@@ -64,8 +76,12 @@ private:
                            [&](std::uint32_t n, const auto& shape) { move(k, n, box_within(margin_, shape)); });
         return fit;
     }
-    void restore() {
-        for (const std::uint32_t i : awake_) refresh_boxes<Plan>(bodies_, margin_, shapes_, boxes_, i);
+    PHYSICS_HPP_COLD void restore() {
+        const auto restore_boxes = [&] {
+            for (const std::uint32_t i : awake_) refresh_boxes<Plan>(bodies_, margin_, shapes_, boxes_, i);
+            if constexpr (requires { boxes_.update(); }) boxes_.update();
+        };
+        run_if_memory_lasts(restore_boxes);
     }
     /// Puts the shapes of a body where it is now, and calls f(shape's number, box) for each.
     template <class F>
@@ -80,6 +96,7 @@ private:
     }
     void move(std::uint32_t k, std::uint32_t n, const aabb<S, D>& box) {
         boxes_.move(n, box, moved_.velocity(k).linear * step_);
+        ++moves_;
     }
 
     const pool<typename Plan::body>& bodies_;
@@ -88,16 +105,9 @@ private:
     S margin_, step_;
     shape_pool<Plan>& shapes_;
     typename Plan::broadphase& boxes_;
+    std::uint32_t moves_ = 0;
+    bool has_begun_ = false, is_kept_ = false;
 };
-
-/// Poses -> poses and boxes of shapes, and where these are heading; bodies with a target are there, to the bit. False,
-/// and all shapes where they were, if a box is beyond the scalar's range, or the executor fails. O(shapes that move).
-template <class Plan, class Moved>
-bool update_boxes(const pool<typename Plan::body>& bodies, const awake_list& awake, const Moved& moved,
-                  typename Plan::scalar margin, typename Plan::scalar h, shape_pool<Plan>& shapes,
-                  typename Plan::broadphase& broadphase, arena& scratch, task_runner& tasks) {
-    return box_update<Plan>(bodies, awake, moved, margin, h, shapes, broadphase).run(scratch, tasks);
-}
 
 }  // namespace detail
 

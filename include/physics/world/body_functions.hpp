@@ -75,7 +75,7 @@ public:
     }
     /// Wakes a body and its island. O(contacts of sleepers).
     void wake(body_id id) {
-        if (const auto b = detail::find_body(data(), id, "wake")) code::wake(data(), b.index);
+        if (const auto b = detail::find_body(data(), id, "wake")) code::wake(data(), b.index, b.index);
     }
     /// False keeps a body awake, and those that touch it.
     [[nodiscard]] bool can_sleep(body_id id) const {
@@ -85,8 +85,8 @@ public:
     void set_can_sleep(body_id id, bool can) {
         const auto b = detail::find_body(data(), id, "set_can_sleep");
         if (!b) return;
+        if (!can) code::wake(data(), b.index, b.index);
         data().bodies[b.index].can_sleep = can;
-        if (!can) code::wake(data(), b.index);
     }
     /// Number of dynamic bodies that are awake, and of kinematic ones that move. O(bodies).
     [[nodiscard]] std::uint32_t awake_count() const { return detail::count_awake(data()); }

@@ -96,12 +96,23 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     if (def.density > S(0) && !def.sensor && is_dynamic && !owner.mass_is_set &&
         !check_shapes_mass(s, body, f, no_shape, &record))
         return {};
-    // First, so that what a sleeper touches is among the contacts that move with its centre of mass.
-    wake_affected(s, body);
+    // What may fail comes first.
+    const std::uint32_t slots = s.shapes.slots() + 1;
+    s.shapes.reserve(slots);
+    s.shape_values.reserve(slots);
+    if constexpr (Plan::events::sensors) {
+        s.sensors.is_sensor.grow(slots);
+        s.sensors.of_static.reserve(s.sensors.of_static.size() + 1);
+    }
+    start_waking(s);
+    list_affected(s, body);
+    if (owner.enabled) list_near_shape(s, record, owner.type);
+    prepare_waking(s, slots, 1);
+    // What a sleeper touches is among the contacts that move with its centre of mass.
+    finish_waking(s);
     const auto place = s.shapes.insert(record);
     s.shape_values.start(place.index);
     if constexpr (Plan::events::sensors) {
-        s.sensors.is_sensor.grow(s.shapes.slots());
         if (def.sensor) {
             s.sensors.is_sensor.set(place.index);
             s.sensors.count = s.sensors.count + 1;
@@ -115,7 +126,6 @@ shape_id insert_shape(world_data<Plan>& s, std::uint32_t body, const typename Pl
     // What is not dynamic takes no mass from it: n shapes on one body cost O(n).
     if (is_dynamic) refresh_mass(s, body);
     else if (!def.sensor) extend_extent(s, s.shapes[place.index]);
-    wake_near_shape(s, place.index);
     return {place.index, place.generation, s.tag};
 }
 
@@ -130,19 +140,25 @@ void set_pose(world_data<Plan>& s, std::uint32_t index, const transform<typename
     auto there = b;
     there.set_pose(pose);
     bool fits = true;
+    std::uint32_t count = 0;
+    start_waking(s);
     each_shape(s, index, [&](std::uint32_t, shape_record<Plan> shape) {
         update_pose(shape, there.pose(), there.center);
         fits = fits && check_extent(f, query_bounds(s, shape));
+        if (fits && b.enabled) list_near_shape(s, shape, b.type);
+        ++count;
     });
     if (!fits) return;
-    wake_affected(s, index);
+    list_affected(s, index);
+    if (b.enabled) list_connected(s, index);
     // What sleeps in its sensors is looked at again.
     if constexpr (Plan::events::sensors)
-        if (s.sensors.count > 0 && b.type == body_type::static_body) wake_near(s, index);
+        if (s.sensors.count > 0 && b.type == body_type::static_body) list_near(s, index, b.pose());
+    prepare_waking(s, count);
+    finish_waking(s);
     b.set_pose(pose);
     if (b.type == body_type::static_body) s.awake.is_stale = true;
     refresh_boxes(s, index);
-    wake_near(s, index);
 }
 
 /// Wakes what lies on a kinematic body's way, unless it is told to stay where it is.
@@ -158,9 +174,14 @@ void move_to(world_data<Plan>& s, std::uint32_t index, vec<typename Plan::scalar
         return;
     }
     const transform<typename Plan::scalar, Plan::dimension> pose{position, Plan::rotates ? turn : b.rotation};
+    if (!(pose == b.pose())) {
+        start_waking(s);
+        list_near(s, index, pose);
+        prepare_waking(s);
+        finish_waking(s);
+    }
     b.target = pose;
     b.has_target = true;
-    if (!(pose == b.pose())) wake_near(s, index, pose);
 }
 
 /// A velocity that the user gives a body takes the place of one that it has from a target.
@@ -169,93 +190,6 @@ auto& velocity_to_set(world_data<Plan>& s, std::uint32_t index) {
     auto& b = s.bodies[index];
     if (std::exchange(b.at_target, false)) b.velocity = {};
     return b.velocity;
-}
-
-template <class Plan>
-void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
-    using S = typename Plan::scalar;
-    constexpr int D = Plan::dimension;
-    const char* f = "set_type";
-    auto& b = s.bodies[index];
-    if (!check_type(f, type) || type == b.given_type) return;
-    if (type == body_type::dynamic_body) {
-        bool solid = true;
-        each_shape(s, index, [&](std::uint32_t, const auto& record) {
-            if (record.sensor) return;
-            record.shape.visit([&](const auto& shape) {
-                solid = solid && solid_shape_for<std::remove_cvref_t<decltype(shape)>, S, D>;
-            });
-        });
-        if (!solid) {
-            refuse(f, "shape", "without mass", "a dynamic body needs shapes that have a mass");
-            return;
-        }
-        if (!b.mass_is_set && !check_shapes_mass(s, index, f)) return;
-    }
-    wake_affected(s, index);
-    if (type == body_type::static_body) b.velocity = {};
-    if (type != body_type::dynamic_body) {
-        b.force = {};
-        b.torque = {};
-    }
-    b.has_target = false;
-    b.at_target = false;
-    b.given_type = type;
-    if (b.enabled) b.type = type;
-    s.awake.is_stale = true;
-    refresh_mass(s, index);
-    reinsert_proxies(s, index);
-    drop_contacts(s, [&](const auto& c) {
-        const std::uint32_t first = c.bodies.body_a, second = c.bodies.body_b;
-        return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
-    });
-}
-
-/// Tells joints of a body whether both of theirs are enabled.
-template <class Plan>
-void note_enabled([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] std::uint32_t index) {
-    if constexpr (Plan::has_joints)
-        s.joints.each_of(index, [&](std::uint32_t i, const joint_record& record) {
-            s.joints.records[i].bodies_enabled = s.bodies[record.body_a].enabled && s.bodies[record.body_b].enabled;
-        });
-}
-template <class Plan>
-void disable(world_data<Plan>& s, std::uint32_t index) {
-    auto& b = s.bodies[index];
-    wake_affected(s, index);
-    // What sleeps in its sensors is looked at again; those of a static body wake it.
-    b.type = body_type::static_body;
-    each_shape(s, index, [&](std::uint32_t shape, const auto& record) {
-        if (record.sensor) wake_near_shape(s, shape);
-    });
-    b.enabled = false;
-    if (b.at_target) b.velocity = {};
-    b.has_target = b.at_target = false;
-    b.force = {};
-    b.torque = {};
-    set_mass_properties(s, index, b.mass);
-    note_enabled(s, index);
-    remove_contacts(s, index, no_shape);
-    s.awake.is_stale = true;
-    reinsert_proxies(s, index);
-}
-template <class Plan>
-void enable(world_data<Plan>& s, std::uint32_t index) {
-    auto& b = s.bodies[index];
-    b.enabled = true;
-    b.type = b.given_type;
-    if constexpr (Plan::sleeps) s.sleep.start(index, b.center);
-    refresh_mass(s, index);
-    note_enabled(s, index);
-    s.awake.is_stale = true;
-    reinsert_proxies(s, index);
-    wake_near(s, index);
-}
-template <class Plan>
-void set_enabled(world_data<Plan>& s, std::uint32_t index, bool enabled) {
-    if (enabled == s.bodies[index].enabled) return;
-    if (enabled) enable(s, index);
-    else disable(s, index);
 }
 
 template <class Plan>
@@ -305,8 +239,18 @@ template <class Plan>
 void set_filter(world_data<Plan>& s, std::uint32_t index, const collision_filter& filter) {
     auto& shape = s.shapes[index];
     if (filter == shape.filter) return;
-    wake_affected(s, shape.body);
-    if (shape.sensor) wake_near_shape(s, index);
+    auto filtered = shape;
+    filtered.filter = filter;
+    const auto& owner = s.bodies[shape.body];
+    start_waking(s);
+    list_affected(s, shape.body);
+    if (owner.enabled) {
+        if (shape.sensor) list_near_shape(s, shape, owner.type);
+        list_near_shape(s, filtered, owner.type);
+    }
+    prepare_removal(
+        s, [&](auto&& of) { of(shape.body); }, index);
+    finish_waking(s);
     shape.filter = filter;
     drop_contacts(s, [&](const auto& c) {
         return (c.shape_a == index || c.shape_b == index) &&
@@ -314,7 +258,6 @@ void set_filter(world_data<Plan>& s, std::uint32_t index, const collision_filter
     });
     s.broadphase.erase(index);
     s.broadphase.insert(index, query_bounds(s, shape), filter_of(s, shape));
-    wake_near_shape(s, index);
 }
 
 template <class Plan>

@@ -50,8 +50,9 @@ void apply_at(world_data<Plan>& s, body_id id, const char* function, const char*
     auto& b = s.bodies[at.index];
     vec<typename Plan::scalar, Plan::dimension> anchor;
     if (point) anchor = local ? b.rotation * (*point - b.mass.center) : *point - b.center;
+    prepare_waking_of(s, at.index);
     if (!f(b, local ? b.rotation * force : force, anchor)) refuse_action(function, field, largest_magnitude(force));
-    else if (!(force == decltype(force){})) wake(s, at.index);
+    else if (!(force == decltype(force){})) finish_waking(s);
 }
 template <class Plan>
 void add_force(world_data<Plan>& s, body_id id, const char* function, vec<typename Plan::scalar, Plan::dimension> force,
@@ -99,8 +100,9 @@ void add_torque(world_data<Plan>& s, body_id id, physics::angular<typename Plan:
     const lookup at = if_enabled(s, find_dynamic(s, id, f), f);
     if (!at || !check_in_range(f, "torque", torque)) return;
     auto& b = s.bodies[at.index];
+    prepare_waking_of(s, at.index);
     if (!assign(b.torque, b.torque + torque)) refuse_action(f, "torque", largest_magnitude(torque));
-    else if (!(torque == decltype(torque){})) wake(s, at.index);
+    else if (!(torque == decltype(torque){})) finish_waking(s);
 }
 template <class Plan>
 void add_angular_impulse(world_data<Plan>& s, body_id id,
@@ -114,9 +116,10 @@ void add_angular_impulse(world_data<Plan>& s, body_id id,
         return converted<double>(b.velocity.angular) +
                times(converted<double>(inverse_inertia), converted<double>(impulse));
     };
+    prepare_waking_of(s, at.index);
     if (!assign(b.velocity.angular, b.velocity.angular + times(inverse_inertia, impulse), exact))
         refuse_action(f, "impulse", largest_magnitude(impulse));
-    else if (!(impulse == decltype(impulse){})) wake(s, at.index);
+    else if (!(impulse == decltype(impulse){})) finish_waking(s);
 }
 
 }  // namespace detail

@@ -11,8 +11,7 @@ namespace detail {
 template <class Plan>
 void wake_connected(world_data<Plan>& s, std::uint32_t joint) {
     // By what runs in a float_control_scope: impulses are rescaled.
-    world_code<Plan>::wake(s, s.joints.records[joint].body_a);
-    world_code<Plan>::wake(s, s.joints.records[joint].body_b);
+    world_code<Plan>::wake(s, s.joints.records[joint].body_a, s.joints.records[joint].body_b);
 }
 
 /// Whether two values have equal members. Taken for different: members without a ==, and more than 32 of them.
@@ -84,6 +83,11 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
         !check_not_negative(f, "break_torque", def.break_torque))
         return {};
     auto& of_kind = s.joints.template of_kind<Joint>();
+    // What may fail comes first.
+    s.joints.records.reserve(s.joints.records.slots() + 1);
+    s.joint_values.reserve(s.joints.records.slots() + 1);
+    of_kind.reserve(of_kind.slots() + 1);
+    world_code<Plan>::wake(s, a.index, b.index);
     joint_record record{a.index, b.index, s.joints.first[a.index], s.joints.first[b.index]};
     record.kind = s.joints.template kind_of<Joint>();
     record.slot = of_kind.next_index();
@@ -101,7 +105,6 @@ joint_id create_joint(world_data<Plan>& s, body_id body_a, body_id body_b, const
     of_kind.insert(stored);
     s.joints.first[a.index] = s.joints.first[b.index] = place.index;
     fill_in<Plan, Joint>(s, place.index, of_kind[record.slot].joint);
-    wake_connected(s, place.index);
     return {place.index, place.generation, s.tag};
 }
 
@@ -234,6 +237,8 @@ public:
     void destroy_joint(joint_id id) {
         const auto at = find(state(), id, "destroy_joint");
         if (!at) return;
+        if constexpr (Plan::events::joint_limits)
+            state().joint_limits.dropped.reserve(state().joint_limits.dropped.size() + 1);
         detail::wake_connected(state(), at.index);
         detail::erase_joint(state(), at.index);
     }

@@ -22,7 +22,7 @@ void drop_contacts(world_data<Plan>& s, Gone&& gone) {
 }
 
 /// Forgets the contacts of a body's shapes, or of one of them only unless that is no_shape, as the next step begins; to
-/// all they are gone at once. What may fail comes before anything is changed.
+/// all they are gone at once.
 template <class Plan>
 void remove_contacts(world_data<Plan>& s, std::uint32_t body, std::uint32_t shape) {
     if constexpr (Plan::events::contacts)
@@ -33,6 +33,26 @@ void remove_contacts(world_data<Plan>& s, std::uint32_t body, std::uint32_t shap
     s.removed.make_room(s.shapes.slots());
     if (shape != no_shape) s.removed.add(shape);
     else each_shape(s, body, [&](std::uint32_t i, const auto&) { s.removed.add(i); });
+}
+
+/// Takes the memory to wake what is listed, and to remove bodies, for which each(f) calls f(body), or just a
+/// shape of them unless that is no_shape, or to enter them into the broadphase anew. It changes nothing of the world.
+template <class Plan, class Each>
+void prepare_removal(world_data<Plan>& s, Each&& each, std::uint32_t shape) {
+    std::uint32_t shapes = 0;
+    [[maybe_unused]] std::uint32_t contacts = 0, joints = 0;
+    each([&](std::uint32_t body) {
+        each_shape(s, body, [&](std::uint32_t i, const auto&) { shapes += shape == no_shape || i == shape; });
+        if constexpr (Plan::events::contacts) each_contact(s, body, [&](const auto&, std::uint32_t) { ++contacts; });
+        if constexpr (Plan::has_joints && Plan::events::joint_limits)
+            s.joints.each_of(body, [&](std::uint32_t, const auto&) { ++joints; });
+    });
+    s.removed.reserve(s.shapes.slots());
+    if constexpr (Plan::events::contacts) s.dropped.list.reserve(s.dropped.list.size() + contacts);
+    if constexpr (Plan::has_joints && Plan::events::joint_limits)
+        s.joint_limits.dropped.reserve(s.joint_limits.dropped.size() + joints);
+    if constexpr (Plan::events::sensors) s.sensors.dropped.reserve(s.sensors.dropped.size() + s.sensors.inside.size());
+    prepare_waking(s, shapes);
 }
 
 /// Takes a joint out of its bodies' lists and of its kind.
@@ -73,7 +93,10 @@ void drop_sensors([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] Each&& 
 /// Removes bodies, for which each(f) calls f(body) and is_gone(body) is true.
 template <class Plan, class Each, class Gone>
 void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
-    wake_affected(s, each);
+    start_waking(s);
+    list_affected(s, each);
+    prepare_removal(s, each, no_shape);
+    finish_waking(s);
     each([&](std::uint32_t body) { remove_contacts(s, body, no_shape); });
     if constexpr (Plan::has_joints)
         each([&](std::uint32_t body) {
@@ -145,7 +168,11 @@ void destroy_shape(world_data<Plan>& s, std::uint32_t index) {
     if (owner.given_type == body_type::dynamic_body && !owner.mass_is_set &&
         !check_shapes_mass(s, body, "destroy_shape", index))
         return;
-    wake_affected(s, body);
+    start_waking(s);
+    list_affected(s, body);
+    prepare_removal(
+        s, [&](auto&& f) { f(body); }, index);
+    finish_waking(s);
     remove_contacts(s, body, index);
     drop_sensors(
         s, [&](auto&& f) { f(index); }, [&](std::uint32_t shape) { return shape == index; });

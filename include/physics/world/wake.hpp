@@ -8,9 +8,46 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
+/// Begins a list of islands that wake by one change: list_affected and list_near add to it, prepare_waking takes all
+/// memory and finish_waking wakes them, so that what is refused before that has changed nothing.
 template <class Plan>
-void wake(world_data<Plan>& s, std::uint32_t body) {
-    if constexpr (Plan::sleeps) wake_islands(to_wake<Plan>(s, s.step), [&](auto&& f) { f(body); });
+void start_waking(world_data<Plan>& s) {
+    if constexpr (Plan::sleeps) start_waking(to_wake<Plan>(s, s.step));
+}
+template <class Plan>
+void list_island(world_data<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) list_island(to_wake<Plan>(s, s.step), body);
+}
+/// For a change of so many shapes in the broadphase, of numbers below `slots`.
+template <class Plan>
+void prepare_waking(world_data<Plan>& s, std::uint32_t slots, std::uint32_t changes) {
+    if constexpr (Plan::sleeps) prepare_waking(to_wake<Plan>(s, s.step), slots, changes);
+    else reserve_changes(s.broadphase, slots, changes);
+}
+template <class Plan>
+void prepare_waking(world_data<Plan>& s, std::uint32_t changes = 0) {
+    prepare_waking(s, s.shapes.slots(), changes);
+}
+template <class Plan>
+void finish_waking(world_data<Plan>& s) {
+    if constexpr (Plan::sleeps) finish_waking(to_wake<Plan>(s, s.step));
+}
+/// To wake the island of a body.
+template <class Plan>
+void prepare_waking_of(world_data<Plan>& s, std::uint32_t body) {
+    start_waking(s);
+    if (!s.is_asleep(body)) return;
+    list_island(s, body);
+    prepare_waking(s);
+}
+/// Wakes the islands of two bodies.
+template <class Plan>
+void wake(world_data<Plan>& s, std::uint32_t body, std::uint32_t other) {
+    if (!s.is_asleep(body) && !s.is_asleep(other)) return;
+    start_waking(s);
+    for (const std::uint32_t i : {body, other}) list_island(s, i);
+    prepare_waking(s);
+    finish_waking(s);
 }
 /// Calls f(list, i) for the contacts of a body: list[i] is one of those that can be pushed, or of those of sleepers.
 template <class Plan, class F>
@@ -24,59 +61,63 @@ void each_contact(const world_data<Plan>& s, std::uint32_t body, F&& f) {
         if (!s.removed.in(list[at])) f(list, at);
     });
 }
-/// Bodies change, for which each(f) calls f(body): wakes the islands of those that are
-/// dynamic, and of what touches others or is held to them by joints.
+/// Lists what joints hold to a body.
+template <class Plan>
+void list_connected(world_data<Plan>& s, std::uint32_t body) {
+    if constexpr (Plan::sleeps) each_connected(s.joints, body, [&](std::uint32_t other) { list_island(s, other); });
+}
+/// Bodies change, for which each(f) calls f(body): lists those that are dynamic, and what touches others or is held to
+/// them by joints.
 template <class Plan, class Each>
-void wake_affected(world_data<Plan>& s, Each&& each) {
+void list_affected(world_data<Plan>& s, Each&& each) {
     if constexpr (Plan::sleeps) {
-        auto& affected = s.step.near;
-        affected.clear();
+        const auto add = [&](std::uint32_t other) { list_island(s, other); };
         each([&](std::uint32_t body) {
             if (s.bodies[body].is_dynamic()) {
-                affected.push_back(body);
+                add(body);
                 return;
             }
-            const auto add = [&](std::uint32_t other) { affected.push_back(other); };
-            each_connected(s.joints, body, add);
+            list_connected(s, body);
             if (s.sleep.contacts.empty()) return;
             each_contact(s, body, [&](const auto& in, std::uint32_t at) {
                 if (&in == &s.sleep.contacts)
                     add(in[at].bodies.body_a == body ? in[at].bodies.body_b : in[at].bodies.body_a);
             });
         });
-        wake_listed(to_wake<Plan>(s, s.step));
     }
 }
 template <class Plan>
+PHYSICS_HPP_NOINLINE void list_affected(world_data<Plan>& s, std::uint32_t body) {
+    list_affected(s, [&](auto&& f) { f(body); });
+}
+template <class Plan>
 void wake_affected(world_data<Plan>& s, std::uint32_t body) {
-    wake_affected(s, [&](auto&& f) { f(body); });
+    start_waking(s);
+    list_affected(s, body);
+    prepare_waking(s);
+    finish_waking(s);
 }
+/// Lists those asleep that lie where a body is, or on its way to another pose.
 template <class Plan>
-void wake_near(world_data<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
+void list_near(world_data<Plan>& s, std::uint32_t body, const transform<typename Plan::scalar, Plan::dimension>& to) {
     if constexpr (Plan::sleeps)
-        if (s.bodies[body].enabled) wake_near(to_wake<Plan>(s, s.step), body, to);
+        if (s.bodies[body].enabled) list_near(to_wake<Plan>(s, s.step), body, to);
 }
+/// Lists those that lie where a shape is, or is going to be, on an enabled body of that type, if it meets them.
 template <class Plan>
-void wake_near(world_data<Plan>& s, std::uint32_t body) {
-    wake_near(s, body, s.bodies[body].pose());
-}
-/// Wakes those that lie where a shape is, if it meets them.
-template <class Plan>
-void wake_near_shape(world_data<Plan>& s, std::uint32_t shape) {
+void list_near_shape(world_data<Plan>& s, const shape_record<Plan>& shape, body_type type) {
     if constexpr (Plan::sleeps)
-        if (s.sleep.sleepers != 0 && s.bodies[s.shapes[shape].body].enabled &&
-            (!s.shapes[shape].sensor || s.bodies[s.shapes[shape].body].type == body_type::static_body)) {
-            const wake_input<Plan> w = to_wake<Plan>(s, s.step);
-            w.step.near.clear();
-            list_near(w, s.shapes[shape], query_bounds(s, s.shapes[shape]));
-            wake_listed(w);
-        }
+        if (s.sleep.sleepers != 0 && (!shape.sensor || type == body_type::static_body))
+            list_near(to_wake<Plan>(s, s.step), shape, query_bounds(s, shape));
 }
 template <class Plan>
 void wake_all(world_data<Plan>& s) {
-    if constexpr (Plan::sleeps)
-        wake_islands(to_wake<Plan>(s, s.step),
-                     [&](auto&& f) { s.bodies.each([&](std::uint32_t i, const auto&) { f(i); }); });
+    if constexpr (Plan::sleeps) {
+        start_waking(s);
+        s.bodies.each([&](std::uint32_t i, const auto&) { list_island(s, i); });
+        prepare_waking(s);
+        finish_waking(s);
+    }
 }
 
 template <class Plan>

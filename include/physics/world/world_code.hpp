@@ -2,6 +2,7 @@
 #pragma once
 
 #include "physics/world/advance.hpp"
+#include "physics/world/body_kinds.hpp"
 #include "physics/world/forces.hpp"
 #include "physics/world/hash.hpp"
 #include "physics/world/queries.hpp"
@@ -44,7 +45,7 @@ struct world_code {
     static void set_pose(data& s, std::uint32_t body, const transform& pose);
     static void move_to(data& s, std::uint32_t body, vec position, const rotation& rotation);
     static vec velocity_of_point(const state& s, body_id body, vec point);
-    static void wake(data& s, std::uint32_t body);
+    static void wake(data& s, std::uint32_t body, std::uint32_t other);
     static void wake_affected(data& s, std::uint32_t body);
     static void add_force(data& s, body_id body, const char* function, vec force, bool local, const vec* point);
     static void add_torque(data& s, body_id body, angular torque);
@@ -125,8 +126,8 @@ auto world_code<Plan>::velocity_of_point(const state& s, body_id body, vec point
     return scoped([&] { return detail::velocity_of_point(s, body, point); });
 }
 template <class Plan>
-void world_code<Plan>::wake(data& s, std::uint32_t body) {
-    scoped([&] { detail::wake(s, body); });
+void world_code<Plan>::wake(data& s, std::uint32_t body, std::uint32_t other) {
+    scoped([&] { detail::wake(s, body, other); });
 }
 template <class Plan>
 void world_code<Plan>::wake_affected(data& s, std::uint32_t body) {
