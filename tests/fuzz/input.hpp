@@ -1,7 +1,7 @@
 // Shapes and poses from a fuzzer's bytes, biased towards what breaks geometry: repeats, lattices, hair's breadths.
 #pragma once
 
-#include <physics.hpp>
+#include "../refused_memory.hpp"
 
 #include <cmath>
 #include <cstdio>

@@ -132,10 +132,44 @@ protected:
         FUZZ_REQUIRE(std::memcmp(before_.data(), after_.data(), after_.size()) == 0);
         return false;
     }
+    /// Now and then the same in a copy, which has no room to spare and finds no memory at first: as it was then.
+    template <class F>
+    std::optional<world> starve(F&& f) {
+        if (++calls_made_ % 4 != 0) return {};
+        std::optional<world> scarce(w);
+        const std::uint64_t hash = w.state_hash();
+        all_are_refused_then = calls_made_ % 8 == 0;
+        calls_until_refused = calls_made_ / 4 * 7 % 40;
+        bool refused = false;
+        try {
+            f(*scarce);
+        } catch (const physics::out_of_memory&) {
+            refused = true;
+        } catch (const physics::error&) {
+        }
+        calls_until_refused = -1;
+        if (!refused) return {};
+        FUZZ_REQUIRE(scarce->state_hash() == hash && scarce->awake_count() == w.awake_count());
+        known.check(*scarce);
+        check_contacts(*scarce);
+        return scarce;
+    }
+    /// And again with memory: it goes on as the world, which has made the call.
+    template <class F>
+    void feed(std::optional<world>& scarce, F&& f) {
+        if (!scarce) return;
+        quietly([&] { f(*scarce); });
+        FUZZ_REQUIRE(scarce->state_hash() == w.state_hash());
+        world next = w;
+        for (world* on : {&next, &*scarce}) quietly([&] { on->step(S(1.0 / 64)); });
+        FUZZ_REQUIRE(scarce->state_hash() == next.state_hash());
+    }
     /// The same for the world and its double, which must agree.
     template <class F>
     bool apply(F&& f) {
+        std::optional<world> scarce = starve(f);
         const bool done = attempt(w, f);
+        feed(scarce, f);
         if (twin) {
             const std::string first = said;
             FUZZ_REQUIRE(attempt(*twin, f) == done && (done || said == first));
@@ -197,7 +231,10 @@ protected:
         // Where no double lives, one stays behind in case the step is refused.
         std::optional<world> behind;
         if (v.is_wild() && !twin) behind = w;
+        const auto plainly = [&](world& on) { on.step(dt); };
+        std::optional<world> scarce = starve(plainly);
         const bool done = step_one(w, dt, stepped::plainly);
+        feed(scarce, plainly);
         if (twin) FUZZ_REQUIRE(step_one(*twin, dt, twin_steps) == done);
         if (!done) {
             if (behind) twin.swap(behind);
@@ -289,6 +326,7 @@ private:
     }
 
     snapshot before_, after_;
+    long calls_made_ = 0;
 };
 
 }  // namespace fuzz
