@@ -7739,7 +7739,9 @@ constexpr aabb<S, D> bounds(const halfspace<S, D>& h, const transform<S, D>& at)
     for (int i = 0; i < D; ++i) {
         bool aligned = true;
         for (int j = 0; j < D; ++j) aligned = aligned && (i == j || n[j] == S(0));
-        if (aligned && n[i] > S(0)) box.upper[i] = height;
+        // A surface beyond the range is no box: worlds refuse it.
+        const bool is_lost = !is_finite(height);
+        if (is_lost || (aligned && n[i] > S(0))) box.upper[i] = height;
         if (aligned && n[i] < S(0)) box.lower[i] = -height;
     }
     return box;

@@ -76,6 +76,8 @@ CELL_CASE("joint loads: a taut bridge does not open, with friction in its hinges
     for (const int substeps : {1, 4, 16})
         for (const int count : {20, 64})
             for (const double friction : {0.0, 4.0, 200.0}) {
+                // For time, long ones with one friction alone.
+                if (count == 64 && friction != 4) continue;
                 CAPTURE(substeps);
                 CAPTURE(count);
                 CAPTURE(friction);

@@ -382,6 +382,12 @@ CELL_CASE("limits: poses, margins and queries whose boxes would leave the range 
     face([&] { w.set_settings(settings); }, "set_settings", "upper end of the box.x");
     CHECK(w.settings().gravity == world::settings_type{}.gravity);
     w.destroy_body(globe);
+    // Where a slope's surface is beyond all numbers.
+    const body_id slope = w.create_body({.type = body_type::static_body, .rotation = turned_about_z(0.75)});
+    w.create_shape(slope, world::halfspace{});
+    face([&] { w.set_pose(slope, along(0, -most) + along(1, most), turned_about_z(0.75)); }, "set_pose",
+         "upper end of the box.x");
+    w.destroy_body(slope);
     const world::box wide{vec::filled(S(most * 0.5))};
     const auto nothing = [](shape_id) {};
     face(
