@@ -1,9 +1,11 @@
-// Pinball: flippers on motors, bumpers that give back more than they get, a plunger; a minute of play, by a script.
+// Pinball: flippers on motors, bumpers that give back more than they get, a plunger, and a tilt; a minute of play, by a
+// script.
 #include <physics.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include "filming.hpp"
 
@@ -81,6 +83,12 @@ public:
         joint.motor_speed = back ? -0.1f : 3.2f;
         arena.set_joint(plunger_, joint);
     }
+    /// Pushes the table aside: to the ball that is a pull.
+    void push(float acceleration) {
+        auto with = settings();
+        with.gravity.x = acceleration;
+        arena.set_settings(with);
+    }
     void serve() {
         arena.set_pose(ball, {wide / 2 - lane / 2, 0.06f}, {});
         arena.set_linear_velocity(ball, {});
@@ -118,8 +126,10 @@ int main() {
     machine it;
     std::uint64_t score = 0;
     int hits = 0, served = 1, outside = 0;
-    float fastest = 0;
-    double served_at = 0, now = 0;
+    float fastest = 0, pushed_by = 0;
+    double served_at = 0, tilted_at = -1, tilted_for = 0, now = 0;
+    // A third push within 2 s tilts the table: the flippers are dead until the ball is lost.
+    const double pushes[] = {15, 16, 30, 31, 31.5};
     film.play(
         "a minute", it.arena, {}, 60,
         [&](double t) {
@@ -127,9 +137,18 @@ int main() {
             it.plunge(t - served_at < 1);
             // Each flipper goes up when the ball is near, and down again.
             const vec at = it.arena.position(it.ball), v = it.arena.linear_velocity(it.ball);
-            const bool low = at.y < 0.24f && at.y > 0.1f && v.y < 0.2f;
+            const bool is_dead = tilted_at >= 0;
+            const bool low = !is_dead && at.y < 0.24f && at.y > 0.1f && v.y < 0.2f;
             it.flip(0, low && at.x < -lane / 2 && at.x > -0.13f);
             it.flip(1, low && at.x > -lane / 2 && at.x < 0.08f);
+            int lately = 0;
+            float push = 0;
+            for (const double pushed : pushes) {
+                lately += t >= pushed && t < pushed + 2;
+                if (t >= pushed && t < pushed + 0.1) push = at.x > 0 ? -4.0f : 4.0f;
+            }
+            if ((push != 0) != (pushed_by != 0)) it.push(pushed_by = push);
+            if (lately > 2 && !is_dead) tilted_at = t;
         },
         [&] {
             for (const auto& h : it.arena.hit_events()) {
@@ -145,12 +164,14 @@ int main() {
                 if (e.sensor == it.drain && e.visitor_body == it.ball) {
                     it.serve();
                     ++served, served_at = now;
+                    if (tilted_at >= 0) tilted_for += now - std::exchange(tilted_at, -1);
                 }
         });
     film.expect("steps with the ball off the table", outside, 0);
     film.expect("hits of bumpers and slingshots", hits, 10, 1000);
     film.expect("score, more than 10 for each hit", static_cast<double>(score), 10 * hits, 1e6);
     film.expect("balls served", served, 1, 20);
+    film.expect("seconds from the tilt to the loss of the ball", tilted_for, 0.1, 20);
     film.fact("fastest, m/s", fastest);
     return film.finish();
 }

@@ -1,4 +1,5 @@
-// Conveyors: belts of two speeds carry crates to a sorter, whose sensor tells a kicker which ones to push aside.
+// Conveyors: belts of two speeds carry crates to a sorter, whose sensor tells a kicker which ones to push aside, and
+// the others round a corner.
 #include <physics.hpp>
 
 #include <algorithm>
@@ -32,6 +33,9 @@ int main() {
         return arena.create_shape(floor, world::box{{half, 0.1f, 0.6f}}, {.position = {x, -0.1f, 0}});
     };
     const physics::shape_id belts[] = {belt(-4, 4), belt(4, 4)};
+    // Round the corner, across the end of the others.
+    const physics::shape_id corner =
+        arena.create_shape(floor, world::box{{0.7f, 0.1f, 2.6f}}, {.position = {8.7f, -0.1f, 2}});
 
     std::vector<physics::body_id> crates;
     for (int i = 0; i < 8; ++i) {
@@ -63,23 +67,24 @@ int main() {
         joint.motor_speed = speed;
         arena.set_joint(kicker, joint);
     };
-    const auto start = [&](physics::shape_id id, float speed) {
+    const auto start = [&](physics::shape_id id, const vec& velocity) {
         auto rubber = arena.material(id);
-        rubber.surface_velocity = {speed, 0, 0};
+        rubber.surface_velocity = velocity;
         arena.set_material(id, rubber);
     };
 
     int asleep = 0, woken = 0, kicks = 0;
     double kicked_at = -10, now = 0;
-    float slip[2] = {};
+    float slip[3] = {};
     film.play(
         "sorter", arena, {}, 32,
         [&](double t) {
             now = t;
             if (t == 3) {
                 asleep = static_cast<int>(std::ranges::count_if(crates, [&](auto id) { return arena.is_asleep(id); }));
-                start(belts[0], slow);
-                start(belts[1], fast);
+                start(belts[0], {slow, 0, 0});
+                start(belts[1], {fast, 0, 0});
+                start(corner, {0, 0, fast});
             }
             drive_kicker(t - kicked_at < 0.4 ? 3.0f : -3.0f);
         },
@@ -89,23 +94,25 @@ int main() {
                 if (e.sensor == eye && e.visitor_body_data == large) ++kicks, kicked_at = now;
             // How far off the belt's speed crates are that have been on it for long.
             for (const physics::body_id id : crates) {
-                const float x = arena.position(id).x, v = arena.linear_velocity(id).x;
-                if (now > 5 && x < -0.6f) slip[0] = std::max(slip[0], std::fabs(v - slow));
-                if (x > 2 && x < 3.5f) slip[1] = std::max(slip[1], std::fabs(v - fast));
+                const vec at = arena.position(id), v = arena.linear_velocity(id);
+                if (now > 5 && at.x < -0.6f) slip[0] = std::max(slip[0], std::fabs(v.x - slow));
+                if (at.x > 2 && at.x < 3.5f) slip[1] = std::max(slip[1], std::fabs(v.x - fast));
+                if (at.x > 8 && at.z > 1.5f && at.z < 4) slip[2] = std::max(slip[2], length(v - vec{0, 0, fast}));
             }
         });
     int sorted[2] = {};
     for (const physics::body_id id : crates) {
         const vec at = arena.position(id);
-        sorted[0] += arena.user_data(id) == small && at.x > 8;
-        sorted[1] += arena.user_data(id) == large && at.z > 0.6f;
+        sorted[0] += arena.user_data(id) == small && at.x > 8 && at.z > 4;
+        sorted[1] += arena.user_data(id) == large && at.x < 8 && at.z > 0.6f;
     }
     film.expect("crates asleep before the belts start", asleep, 8);
     film.expect("of them woken by the start", woken, 8, 9);
     film.expect("slip on the slow belt, m/s", slip[0], 0, 0.001);
     film.expect("slip on the fast belt, m/s", slip[1], 0, 0.001);
+    film.expect("slip after the corner, m/s", slip[2], 0, 0.001);
     film.expect("kicks", kicks, 3);
-    film.expect("small crates at the end of the belt", sorted[0], 5);
+    film.expect("small crates round the corner", sorted[0], 5);
     film.expect("large crates kicked aside", sorted[1], 3);
     return film.finish();
 }
