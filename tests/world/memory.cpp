@@ -14,6 +14,14 @@ namespace {
 
 using namespace physics;
 
+/// An executor whose workers take turns.
+struct turns {
+    static std::uint32_t workers() { return 3; }
+    static void run(std::uint32_t parts, const task_set& what) {
+        for (std::uint32_t k = 0; k < parts; ++k) what(k, k % 3);
+    }
+};
+
 template <class Recipe>
 struct scene {
     using world = physics::world<Recipe>;
@@ -120,6 +128,11 @@ struct scene {
                  w.set_settings(with);
              }},
             {"step", [](world& w) { step(w); }},
+            {"step by workers",
+             [](world& w) {
+                 turns by;
+                 w.step(S(1.0 / 64), by);
+             }},
         };
         if constexpr (plan::sleeps) all.push_back({"wake", [](world& w) { w.wake(last(w)); }});
         if constexpr (has_joints) {
@@ -248,14 +261,14 @@ int refuse_each(const typename scene<Recipe>::call& call, int count, int steps, 
 
 TEST_CASE_TEMPLATE_DEFINE("memory: what finds none is refused, and the world as it was", Recipe, recipes) {
     int refusals = 0;
-    for (const auto& [count, steps] : {std::pair(10, 0), {10, 90}, {62, 6}})
+    for (const std::pair<int, int>& size : {std::pair(10, 0), {10, 90}, {62, 6}})
         for (const auto& call : scene<Recipe>::all_calls())
             for (const bool all : {false, true}) {
                 INFO(std::string(call.name));
-                CAPTURE(count);
-                CAPTURE(steps);
+                CAPTURE(size.first);
+                CAPTURE(size.second);
                 CAPTURE(all);
-                refusals += refuse_each<Recipe>(call, count, steps, all);
+                refusals += refuse_each<Recipe>(call, size.first, size.second, all);
             }
     CHECK(refusals > 500);
 }
