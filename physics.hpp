@@ -238,11 +238,11 @@
     PHYSICS_HPP_REGION_POP
 
 #if defined(__GNUC__)
+#define PHYSICS_HPP_NOINLINE __attribute__((noinline))
 #define PHYSICS_HPP_COLD __attribute__((noinline, cold))
-#elif defined(_MSC_VER)
-#define PHYSICS_HPP_COLD __declspec(noinline)
 #else
-#define PHYSICS_HPP_COLD
+#define PHYSICS_HPP_NOINLINE __declspec(noinline)
+#define PHYSICS_HPP_COLD PHYSICS_HPP_NOINLINE
 #endif
 
 // For lanes and the kernels made of them, and for integers; never for floats in what users call: gcc contracts
@@ -3518,10 +3518,8 @@ PHYSICS_HPP_END
 // What the probe looks at: arithmetic that is compiled where the macro stands, by the rules that hold there. Hence
 // no function may be inlined. Define one in your own code to learn about that: float_environment<Name>().
 #if defined(__GNUC__) || defined(__clang__)
-#define PHYSICS_HPP_NOINLINE __attribute__((noinline))
 #define PHYSICS_HPP_WRITTEN_ROOT(F, x) (sizeof(F) == 4 ? F(__builtin_sqrtf(float(x))) : F(__builtin_sqrt(double(x))))
 #else
-#define PHYSICS_HPP_NOINLINE __declspec(noinline)
 #define PHYSICS_HPP_WRITTEN_ROOT(F, x) ::physics::detail::hardware_root(x)
 #endif
 #define PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC(Name, Attributes)          \

@@ -125,6 +125,7 @@ struct population {
         trees.update(all, all.dirty_for_index().begin(), all.dirty_for_index().size());
         all.flush_to_index();
         trees.find(all, [](std::uint32_t, std::uint32_t) {});
+        trees.end_search();
         all.clear_dirty();
     }
     double cost(const index& of) {
@@ -203,6 +204,7 @@ TEST_CASE("tree: a million boxes in one place, of which few move") {
         trees.update(all, all.dirty_for_index().begin(), all.dirty_for_index().size());
         all.flush_to_index();
         trees.find(all, [&](std::uint32_t, std::uint32_t) { ++found; });
+        trees.end_search();
         all.clear_dirty();
         return found;
     };

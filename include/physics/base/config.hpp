@@ -125,11 +125,11 @@
     PHYSICS_HPP_REGION_POP
 
 #if defined(__GNUC__)
+#define PHYSICS_HPP_NOINLINE __attribute__((noinline))
 #define PHYSICS_HPP_COLD __attribute__((noinline, cold))
-#elif defined(_MSC_VER)
-#define PHYSICS_HPP_COLD __declspec(noinline)
 #else
-#define PHYSICS_HPP_COLD
+#define PHYSICS_HPP_NOINLINE __declspec(noinline)
+#define PHYSICS_HPP_COLD PHYSICS_HPP_NOINLINE
 #endif
 
 // For lanes and the kernels made of them, and for integers; never for floats in what users call: gcc contracts

@@ -10,10 +10,8 @@
 // What the probe looks at: arithmetic that is compiled where the macro stands, by the rules that hold there. Hence
 // no function may be inlined. Define one in your own code to learn about that: float_environment<Name>().
 #if defined(__GNUC__) || defined(__clang__)
-#define PHYSICS_HPP_NOINLINE __attribute__((noinline))
 #define PHYSICS_HPP_WRITTEN_ROOT(F, x) (sizeof(F) == 4 ? F(__builtin_sqrtf(float(x))) : F(__builtin_sqrt(double(x))))
 #else
-#define PHYSICS_HPP_NOINLINE __declspec(noinline)
 #define PHYSICS_HPP_WRITTEN_ROOT(F, x) ::physics::detail::hardware_root(x)
 #endif
 #define PHYSICS_HPP_DEFINE_PROBED_ARITHMETIC(Name, Attributes)          \
