@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -71,6 +70,8 @@ struct scene {
             w.set_linear_velocity(lift, at(i % 64 < 32 ? -0.25 : 0.25, 0));
             step(w);
         }
+        // It runs into the piles, which are woken ahead of it.
+        if (steps > 90) w.set_linear_velocity(lift, at(-100, 0));
         return w;
     }
 
@@ -191,20 +192,17 @@ struct scene {
     }
 };
 
-/// Of recipes whose broadphase takes its memory as it goes.
-struct indexed_tag {};
 struct full : recipe<float, 3, joints<ball_joint>,
                      events<event::contact, event::hit, event::sensor, event::sleep, event::move, event::joint_limit>,
                      user_types<int, int, int>> {};
 struct impulses : recipe<fixed32, 2, joints<ball_joint>, sequential_impulse, events<event::contact, event::sensor>> {};
 struct bare : recipe<double, 2, without<feature::sleeping>> {};
-struct hashed : recipe<float, 2, hash_grid, events<event::contact, event::sleep>>, indexed_tag {};
-struct swept_boxes : recipe<double, 3, sweep_and_prune, events<event::sensor>>, indexed_tag {};
+struct hashed : recipe<float, 2, hash_grid, events<event::contact, event::sleep>> {};
+struct swept_boxes : recipe<double, 3, sweep_and_prune, events<event::sensor>> {};
 
 /// Refuses each request of a call in turn; returns how many calls were refused for it.
 template <class Recipe>
 int refuse_each(const typename scene<Recipe>::call& call, int count, int steps, bool all) {
-    constexpr bool keeps_index = !std::is_base_of_v<indexed_tag, Recipe>;
     int refusals = 0;
     using of = scene<Recipe>;
     using world = typename of::world;
@@ -229,15 +227,7 @@ int refuse_each(const typename scene<Recipe>::call& call, int count, int steps, 
         if (refused) {
             ++refusals;
             REQUIRE(of::answers(w) == answers);
-            // What has lost its index says so, and finds it again in the next step.
-            std::vector<std::uint64_t> found_now;
-            try {
-                found_now = of::found(w);
-            } catch (const physics::error&) {
-                REQUIRE_FALSE(keeps_index);
-                found_now = found;
-            }
-            REQUIRE(found_now == found);
+            REQUIRE(of::found(w) == found);
             call.run(w);
         }
         world expected = plain;
@@ -261,7 +251,7 @@ int refuse_each(const typename scene<Recipe>::call& call, int count, int steps, 
 
 TEST_CASE_TEMPLATE_DEFINE("memory: what finds none is refused, and the world as it was", Recipe, recipes) {
     int refusals = 0;
-    for (const std::pair<int, int>& size : {std::pair(10, 0), {10, 90}, {62, 6}})
+    for (const std::pair<int, int>& size : {std::pair(10, 0), {10, 90}, {10, 91}, {62, 6}})
         for (const auto& call : scene<Recipe>::all_calls())
             for (const bool all : {false, true}) {
                 INFO(std::string(call.name));

@@ -24,7 +24,7 @@ PHYSICS_HPP_BEGIN
 ///   end_search()                      where it has this: what find emitted has been taken in
 ///   reserve(all, slots, changes)      where it has this: takes the memory for so many changes of proxies of numbers
 ///                                     below `slots`, and the update after them. An index without it that finds no
-///                                     memory is made anew by the next update, and queries are refused until then
+///                                     memory is made anew by the next update, and queries look at all boxes until then
 /// and, where it knows a better way than to search boxes, each_along, each_around, each_inside (see tree_index),
 /// each_near(all, box, visit, movable), which leaves out what moves if false, and each_member(self, f), for snapshots
 /// of worlds (see base/members.hpp).
@@ -126,13 +126,14 @@ public:
     /// bool, false ends the query. Unless movable is true, those that are may be left out, to save time.
     template <class Visit>
     void each_overlapping(const aabb& box, const query_filter& filter, Visit&& visit, bool movable = true) const {
-        if (!check_box("each_overlapping", box) || !can_search("each_overlapping")) return;
+        if (!check_box("each_overlapping", box)) return;
         const detail::query_scope scope(this);
         const auto see = [&](const auto& at) {
             const auto& c = all_.candidate_at(at);
             return !filter.sees(c.filter) || !overlap(c.box, box) || detail::go_on(visit, c.id);
         };
-        if constexpr (requires { index_.each_near(all_, box, see, movable); })
+        if (is_lost()) each_proxy(see);
+        else if constexpr (requires { index_.each_near(all_, box, see, movable); })
             index_.each_near(all_, box, see, movable);
         else index_.each_near(all_, box, see);
     }
@@ -160,7 +161,6 @@ public:
             if (!detail::check_finite("each_inside", "normal", planes[i].normal) ||
                 !detail::check_finite("each_inside", "offset", planes[i].offset))
                 return;
-        if (!can_search("each_inside")) return;
         const detail::query_scope scope(this);
         const auto see = [&](const auto& at) {
             const auto& c = all_.candidate_at(at);
@@ -169,7 +169,8 @@ public:
                 if (detail::beyond(planes[i], c.box)) return true;
             return detail::go_on(visit, c.id);
         };
-        if constexpr (requires { index_.each_inside(all_, planes, count, see); })
+        if (is_lost()) each_proxy(see);
+        else if constexpr (requires { index_.each_inside(all_, planes, count, see); })
             index_.each_inside(all_, planes, count, see);
         else index_.each_near(all_, everywhere(), see);
     }
@@ -182,7 +183,7 @@ public:
     /// translation up to which the ray goes on: hit.fraction for the closest, 1 for all, -1 to stop.
     template <class Visit>
     void each_along(const ray<S, D>& r, const query_filter& filter, Visit&& visit) const {
-        if (!check_ray("each_along", r) || !can_search("each_along")) return;
+        if (!check_ray("each_along", r)) return;
         const detail::query_scope scope(this);
         S limit = S(1);
         const auto see = [&](const auto& at) {
@@ -192,7 +193,9 @@ public:
                 limit = min(limit, visit(hit));
             return limit;
         };
-        if constexpr (requires { index_.each_along(all_, r, limit, see); }) {
+        if (is_lost()) {
+            each_proxy([&](std::uint32_t id) { return see(id) >= S(0); });
+        } else if constexpr (requires { index_.each_along(all_, r, limit, see); }) {
             index_.each_along(all_, r, limit, see);
         } else {
             index_.each_near(all_, detail::around(r), [&](const auto& at) { return see(at) >= S(0); });
@@ -235,8 +238,7 @@ public:
     std::uint32_t nearest(const vec& point, S reach, const query_filter& filter, std::uint32_t* out,
                           std::uint32_t maximum) const {
         const char* f = "nearest";
-        if (!detail::check_finite(f, "point", point) || !detail::check_not_negative(f, "reach", reach) ||
-            maximum == 0 || !can_search(f))
+        if (!detail::check_finite(f, "point", point) || !detail::check_not_negative(f, "reach", reach) || maximum == 0)
             return 0;
         const detail::query_scope scope(this);
         std::uint32_t count = 0;
@@ -254,13 +256,14 @@ public:
             }
             return count < maximum ? farthest : square(out[count - 1]);
         };
-        if constexpr (requires { index_.each_around(all_, point, farthest, see); })
+        const auto see_all = [&](const auto& at) {
+            see(at);
+            return true;
+        };
+        if (is_lost()) each_proxy(see_all);
+        else if constexpr (requires { index_.each_around(all_, point, farthest, see); })
             index_.each_around(all_, point, farthest, see);
-        else
-            index_.each_near(all_, everywhere(), [&](const auto& at) {
-                see(at);
-                return true;
-            });
+        else index_.each_near(all_, everywhere(), see_all);
         return count;
     }
 
@@ -338,11 +341,16 @@ private:
         }
         index_.update(all_, nullptr, 0);
     }
-    bool can_search(const char* function) const {
-        if constexpr (reserves) return true;
-        else
-            return !is_broken_ ||
-                   detail::refuse(function, "index", "lost for want of memory", "update() or a step makes it anew");
+    /// Whether queries have to do without the index.
+    [[nodiscard]] bool is_lost() const {
+        if constexpr (reserves) return false;
+        else return is_broken_;
+    }
+    template <class See>
+    void each_proxy([[maybe_unused]] See&& see) const {
+        if constexpr (!reserves)
+            for (std::uint32_t id = 0; id < all_.size(); ++id)
+                if (all_.has(id) && !see(id)) return;
     }
 
     detail::proxies<Space> all_;
