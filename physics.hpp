@@ -32084,34 +32084,43 @@ void merge_contacts(buffer<Contact>& to, const buffer<Contact>& more) {
     }
 }
 
-/// Shapes that are destroyed or disabled since the last step. What names them in lists of contacts and of memories is
-/// no more, and goes with the next step, in one pass for all: until then no other shape of these numbers has any.
+/// Shapes that are destroyed or disabled since the last step, and whether single contacts are gone. What names them in
+/// lists of contacts and of memories is no more, and goes with the next step, in one pass for all: until then no other
+/// shape of these numbers has any.
 class removed_shapes {
 public:
     void reserve(std::uint32_t shapes) { is_removed_.reserve(shapes); }
     void make_room(std::uint32_t shapes) { is_removed_.grow(shapes); }
     void add(std::uint32_t shape) { is_removed_.set(shape); }
-    [[nodiscard]] bool any() const { return !is_removed_.empty(); }
+    /// Removes a single contact.
+    template <class Contact>
+    void add(Contact& c) {
+        c.count = 0;
+        any_contact_ = true;
+    }
+    [[nodiscard]] bool any() const { return any_contact_ || !is_removed_.empty(); }
     [[nodiscard]] bool has(std::uint32_t shape) const { return is_removed_.has(shape); }
     template <class Contact>
     [[nodiscard]] bool in(const Contact& c) const {
-        return any() && (has(c.shape_a) || has(c.shape_b));
+        return any() && (c.count == 0 || has(c.shape_a) || has(c.shape_b));
     }
-    /// Takes what names them out of the lists; false if there are none.
-    template <class Contact, class Plan>
-    bool take_out(buffer<Contact>& contacts, pair_cache<Plan>& memories) {
-        if (!any()) return false;
+    /// Takes them out of a list.
+    template <class Contact>
+    void take_out(buffer<Contact>& contacts) const {
         partition_contacts(
             contacts, [&](const auto& c) { return !in(c); }, [](const auto&) {});
-        memories.drop([&](std::uint32_t shape) { return has(shape); });
+    }
+    /// All lists are without them.
+    void clear() {
         is_removed_.clear();
-        return true;
+        any_contact_ = false;
     }
 
-    PHYSICS_HPP_MEMBERS(is_removed_)
+    PHYSICS_HPP_MEMBERS(is_removed_, any_contact_)
 
 private:
     bit_array is_removed_;
+    bool any_contact_ = false;
 };
 
 }  // namespace detail
@@ -32429,38 +32438,15 @@ struct contact_index {
     contact_index& operator=(contact_index&&) noexcept = default;
     ~contact_index() = default;
 
-    /// Calls f(number) for those of a body, in ascending order. Several threads may ask at once.
-    template <class Contact, class F>
-    void each(std::uint32_t bodies, const buffer<Contact>& awake, const buffer<Contact>* asleep, std::uint32_t body,
-              F&& f) {
-        update(bodies, awake, asleep);
+    /// Calls f(number) for those of a body, in ascending order, after an update.
+    template <class F>
+    void each(std::uint32_t body, F&& f) const {
         // Bodies that have come since then have none.
         if (body + 1 >= first_.size()) return;
         for (std::uint32_t k = first_[body]; k < first_[body + 1]; ++k) f(numbers_[k]);
     }
 
-private:
-    /// One thread at a time. Where the compiler has no such functions, worlds are asked by one thread only.
-    class lock {
-    public:
-        explicit lock(bool& taken) : taken_(taken) {
-#if defined(__GNUC__)
-            while (__atomic_test_and_set(&taken_, __ATOMIC_ACQUIRE)) {
-            }
-#endif
-        }
-        lock(const lock&) = delete;
-        lock& operator=(const lock&) = delete;
-        ~lock() {
-#if defined(__GNUC__)
-            __atomic_clear(&taken_, __ATOMIC_RELEASE);
-#endif
-        }
-
-    private:
-        bool& taken_;
-    };
-
+    /// Several threads may ask for it at once.
     template <class Contact>
     void update(std::uint32_t bodies, const buffer<Contact>& awake, const buffer<Contact>* asleep) {
         const lock one_at_a_time(taken_);
@@ -32484,6 +32470,28 @@ private:
         each_end([&](std::uint32_t body, std::uint32_t n) { numbers_[first_[body + 1]++] = n; });
         is_stale = false;
     }
+
+private:
+    /// One thread at a time. Where the compiler has no such functions, worlds are asked by one thread only.
+    class lock {
+    public:
+        explicit lock(bool& taken) : taken_(taken) {
+#if defined(__GNUC__)
+            while (__atomic_test_and_set(&taken_, __ATOMIC_ACQUIRE)) {
+            }
+#endif
+        }
+        lock(const lock&) = delete;
+        lock& operator=(const lock&) = delete;
+        ~lock() {
+#if defined(__GNUC__)
+            __atomic_clear(&taken_, __ATOMIC_RELEASE);
+#endif
+        }
+
+    private:
+        bool& taken_;
+    };
 
     buffer<std::uint32_t> first_, numbers_;
     bool taken_ = false;
@@ -33010,8 +33018,10 @@ struct sleep_state {
     buffer<std::uint32_t> island_next;
     /// How many bodies are asleep.
     std::uint32_t sleepers = 0;
-    /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
+    /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs. Those of bodies that
+    /// have woken up since the last step are still there: the next one begins by taking them back, in one pass for all.
     buffer<typename Plan::contact> contacts;
+    bool has_woken_contacts = false;
     /// Length of the step in which their impulses acted (s).
     S step{};
     /// Bodies that have woken up or fallen asleep since the last step told of such.
@@ -33037,7 +33047,8 @@ struct sleep_state {
         carried_from[body] = S(-1);
         island_next[body] = no_sleeper;
     }
-    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, sleepers, contacts, step, changes)
+    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, sleepers, contacts, has_woken_contacts,
+                        step, changes)
 };
 struct no_sleep_state {
     static constexpr bool is_asleep(std::uint32_t) { return false; }
@@ -33049,6 +33060,12 @@ using sleep_of = std::conditional_t<Plan::sleeps, sleep_state<Plan>, no_sleep_st
 template <class Bodies, class Sleep>
 bool is_awake_dynamic(const Bodies& bodies, const Sleep& sleep, std::uint32_t body) {
     return bodies[body].is_dynamic() && !sleep.is_asleep(body);
+}
+
+/// Whether a body of a contact can.
+template <class Contact, class Bodies, class Sleep>
+bool can_be_pushed(const Contact& c, const Bodies& bodies, const Sleep& sleep) {
+    return is_awake_dynamic(bodies, sleep, c.bodies.body_a) || is_awake_dynamic(bodies, sleep, c.bodies.body_b);
 }
 
 /// How far a body's shapes reach from its centre of mass; see stride.
@@ -33713,12 +33730,11 @@ PHYSICS_HPP_NOINLINE void wake_bodies(const wake_input<Plan>& w) {
     if (!w.step.woken.empty()) w.awake.is_stale = true;
     w.step.woken.clear();
 }
-/// Takes the contacts of sleepers, of which a body can be pushed again, out of their list: calls f with each.
-template <class Plan, class F>
-void take_woken_contacts(const wake_input<Plan>& w, F&& f) {
-    const auto is_pushed = [&](std::uint32_t i) { return is_awake_dynamic(w.bodies, w.sleep, i); };
+/// Takes the contacts of sleepers, of which a body can be pushed again, out of their list.
+template <class Plan>
+void take_woken_contacts(const wake_input<Plan>& w) {
     partition_contacts(
-        w.sleep.contacts, [&](const auto& c) { return !is_pushed(c.bodies.body_a) && !is_pushed(c.bodies.body_b); }, f);
+        w.sleep.contacts, [&](const auto& c) { return !can_be_pushed(c, w.bodies, w.sleep); }, [](const auto&) {});
 }
 /// Begins a list of islands to wake, in step.woken.
 template <class Plan>
@@ -33738,29 +33754,27 @@ PHYSICS_HPP_NOINLINE void list_island(const wake_input<Plan>& w, std::uint32_t b
         is_listed.set(i);
     });
 }
-/// Lists the contacts of those islands in step.new_contacts, and takes the memory for finish_waking, and for so many
-/// changes of the broadphase more, of shapes of numbers below `slots`. It changes nothing of the world. O(contacts of
-/// sleepers).
+/// Wakes the islands that are listed, with the memory of reserve_waking: nothing fails. Their contacts stay where they
+/// are until return_woken_contacts.
 template <class Plan>
-PHYSICS_HPP_NOINLINE void prepare_waking(const wake_input<Plan>& w, std::uint32_t slots, std::uint32_t changes) {
-    reserve_waking(w, slots, changes);
+void finish_waking(const wake_input<Plan>& w) {
     if (w.step.woken.empty()) return;
-    const auto& is_listed = w.step.is_listed;
+    wake_bodies(w);
+    w.sleep.has_woken_contacts = true;
+}
+/// Brings the contacts of bodies that have woken up since the last step to those that can be pushed. O(contacts), if
+/// there are any.
+template <class Plan>
+PHYSICS_HPP_NOINLINE void return_woken_contacts(const wake_input<Plan>& w) {
     auto& returning = w.step.new_contacts;
     returning.clear();
     for (const auto& c : w.sleep.contacts)
-        if (is_listed[c.bodies.body_a] || is_listed[c.bodies.body_b]) returning.push_back(c);
+        if (can_be_pushed(c, w.bodies, w.sleep)) returning.push_back(c);
     w.contacts.reserve(w.contacts.size() + returning.size());
-}
-/// Wakes the islands of prepare_waking, at once, with their contacts. Nothing fails.
-template <class Plan>
-PHYSICS_HPP_NOINLINE void finish_waking(const wake_input<Plan>& w) {
-    if (w.step.woken.empty()) return;
-    wake_bodies(w);
-    take_woken_contacts(w, [](const auto&) {});
-    auto& returning = w.step.new_contacts;
+    take_woken_contacts(w);
     rescale_impulses(returning.begin(), returning.end(), {w.sleep.step, w.sleep.step}, w.step_lengths);
     merge_contacts(w.contacts, returning);
+    w.sleep.has_woken_contacts = false;
     w.step.note_contacts_moved();
 }
 /// Lists those asleep in a box that a shape meets.
@@ -33798,7 +33812,7 @@ void wake_ahead(const wake_input<Plan>& w, typename Plan::scalar h) {
         if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
         start_waking(w);
         list_near(w, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
-        prepare_waking(w, w.shapes.slots(), 0);
+        reserve_waking(w, w.shapes.slots(), 0);
         finish_waking(w);
     }
 }
@@ -33840,7 +33854,7 @@ template <class Plan>
 void commit_woken(const wake_input<Plan>& w) {
     if (w.step.woken.empty()) return;
     wake_bodies(w);
-    take_woken_contacts(w, [](const auto&) {});
+    take_woken_contacts(w);
 }
 
 }  // namespace detail
@@ -34892,10 +34906,9 @@ void move_contacts_to_sleepers(const pool<typename Plan::body>& bodies,
                                const step_lengths<typename Plan::scalar>& lengths,
                                buffer<typename Plan::contact>& contacts, sleep_state<Plan>& sleep,
                                buffer<typename Plan::contact>& moved) {
-    const auto is_pushed = [&](std::uint32_t i) { return is_awake_dynamic(bodies, sleep, i); };
     moved.clear();
     partition_contacts(
-        contacts, [&](const auto& c) { return is_pushed(c.bodies.body_a) || is_pushed(c.bodies.body_b); },
+        contacts, [&](const auto& c) { return can_be_pushed(c, bodies, sleep); },
         [&](const auto& c) { moved.push_back(c); });
     if (sleep.contacts.empty()) sleep.step = lengths.usual;
     rescale_impulses(moved.begin(), moved.end(), lengths, {sleep.step, sleep.step});
@@ -36214,7 +36227,6 @@ namespace detail {
 template <class Plan>
 void reserve_sleep(const wake_input<Plan>& w, typename Plan::scalar h) {
     using S = typename Plan::scalar;
-    auto &next = w.step.new_contacts, &last = w.contacts;
     std::uint32_t changes = 0;
     const auto count_shapes = [&](std::uint32_t body) {
         each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto&) { ++changes; });
@@ -36227,8 +36239,6 @@ void reserve_sleep(const wake_input<Plan>& w, typename Plan::scalar h) {
         w.step.woken.reserve(w.bodies.slots());
         w.step.is_listed.grow(w.bodies.slots());
         changes = w.shapes.slots();
-        next.reserve(next.size() + w.sleep.contacts.size());
-        last.reserve(w.sleep.contacts.size());
     }
     reserve_waking(w, w.shapes.slots(), changes);
     if constexpr (Plan::events::sleep)
@@ -36247,10 +36257,10 @@ void reserve_sleep(const wake_input<Plan>& w, typename Plan::scalar h) {
         count_shapes(i);
     }
     if (bodies == 0) return;
-    for (const auto& c : next)
+    for (const auto& c : w.step.new_contacts)
         contacts += (may_sleep(c.bodies.body_a) || !w.bodies[c.bodies.body_a].is_dynamic()) &&
                     (may_sleep(c.bodies.body_b) || !w.bodies[c.bodies.body_b].is_dynamic());
-    last.reserve(contacts);
+    w.contacts.reserve(contacts);
     w.sleep.contacts.reserve(w.sleep.contacts.size() + contacts);
     if constexpr (Plan::events::sleep) w.sleep.changes.slept.reserve(w.sleep.changes.slept.size() + bodies);
     reserve_changes(w.broadphase, w.shapes.slots(), changes);
@@ -36886,6 +36896,21 @@ void start_step(step_data<Plan>& d, const task_runner& tasks) {
     d.pair_cache_changes.by.prepare(tasks.workers());
 }
 
+/// What is removed, and what has woken up, since the last step -> contacts and memories without the one, and with the
+/// other among those that can be pushed.
+template <class Plan>
+void update_contacts(state<Plan>& s, step_data<Plan>& d) {
+    if (s.removed.any()) {
+        s.removed.take_out(s.contacts);
+        if constexpr (Plan::sleeps)
+            if (s.sleep.has_woken_contacts) s.removed.take_out(s.sleep.contacts);
+        s.memories.drop([&](std::uint32_t shape) { return s.removed.has(shape); });
+        s.removed.clear();
+        d.contacts_of.is_stale = true;
+    }
+    if constexpr (Plan::sleeps)
+        if (s.sleep.has_woken_contacts) return_woken_contacts(to_wake(s, d));
+}
 /// Boxes -> pairs of shapes that may touch.
 template <class Plan>
 const buffer<proxy_pair>& find_solid_pairs(state<Plan>& s, step_data<Plan>& d) {
@@ -36930,8 +36955,8 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     clear_depths<Plan>(s.bodies.slots(), d.sweep);
     // Settings -> what all surfaces make of each other, where no shape has a material of its own.
     if (!combine_common_materials<Plan>(s.settings, d.new_material)) return step_result::bad_mixing_rule;
-    // Shapes that are gone -> contacts and memories without them.
-    if (s.removed.take_out(s.contacts, s.memories)) d.contacts_of.is_stale = true;
+    // What has changed since the last step -> its contacts, and memories of pairs, that are left.
+    update_contacts(s, d);
     // Velocities -> boxes in the broadphase, of bodies that look ahead; how far, in d.sweep.
     look_ahead<Plan>(s.bodies, s.shapes, s.sleep, s.continuous, s.settings, h, s.broadphase, d.sweep);
     // Bodies -> which of them move.
@@ -37703,6 +37728,26 @@ struct world_data : state<Plan> {
     step_scratch<step_data<Plan>> step;
 };
 
+/// Takes the memory for each_contact. O(bodies + contacts) after a step, then nothing.
+template <class Plan>
+void index_contacts(const world_data<Plan>& s) {
+    const buffer<typename Plan::contact>* asleep = nullptr;
+    if constexpr (Plan::sleeps) asleep = &s.sleep.contacts;
+    s.step.contacts_of.update(s.bodies.slots(), s.contacts, asleep);
+}
+/// Calls f(list, i) for the contacts of a body: list[i] is one of those that can be pushed, or of those of sleepers.
+template <class World, class F>
+void each_contact(World& s, std::uint32_t body, F&& f) {
+    index_contacts(s);
+    s.step.contacts_of.each(body, [&](std::uint32_t n) {
+        const auto tell = [&](auto& list, std::uint32_t at) {
+            if (!s.removed.in(list[at])) f(list, at);
+        };
+        if (n < s.contacts.size()) tell(s.contacts, n);
+        else if constexpr (requires { s.sleep.contacts; }) tell(s.sleep.contacts, n - s.contacts.size());
+    });
+}
+
 /// The inside of a world, for what stands beside it.
 struct world_access {
     template <class World>
@@ -37809,9 +37854,16 @@ void set_mass_properties(world_data<Plan>& s, std::uint32_t index,
         b.velocity.linear = velocity_at(b.velocity, center - b.center);
         b.center = center;
         const vec<S, Plan::dimension> turned_shift = s.contact_starts[index].rotation * shift;
-        for (auto& c : s.contacts) {
+        const auto move = [&](auto& c) {
             if (c.bodies.body_a == index) c.r_a -= turned_shift;
             if (c.bodies.body_b == index) c.r_b -= turned_shift;
+        };
+        if (run_if_memory_lasts([&] { index_contacts(s); })) {
+            each_contact(s, index, [&](auto& in, std::uint32_t at) { move(in[at]); });
+        } else {
+            for (auto& c : s.contacts) move(c);
+            if constexpr (Plan::sleeps)
+                for (auto& c : s.sleep.contacts) move(c);
         }
     }
     b.mass = mass;
@@ -38484,11 +38536,14 @@ public:
     range_end end() const { return {}; }
     /// Number of contacts. O(contacts) after some have been destroyed, until the next step.
     [[nodiscard]] std::uint32_t size() const {
-        std::uint32_t count = state_->contacts.size();
-        if (state_->removed.any())
-            for (const auto& c : state_->contacts) count -= state_->removed.in(c);
-        if constexpr (Plan::sleeps) count += state_->sleep.contacts.size();
-        return count;
+        const auto size_of = [&](const list& in) {
+            std::uint32_t count = in.size();
+            if (state_->removed.any())
+                for (const auto& c : in) count -= state_->removed.in(c);
+            return count;
+        };
+        if constexpr (Plan::sleeps) return size_of(state_->contacts) + size_of(state_->sleep.contacts);
+        else return size_of(state_->contacts);
     }
 
 private:
@@ -38585,7 +38640,7 @@ void list_island(world_data<Plan>& s, std::uint32_t body) {
 /// For a change of so many shapes in the broadphase, of numbers below `slots`.
 template <class Plan>
 void prepare_waking(world_data<Plan>& s, std::uint32_t slots, std::uint32_t changes) {
-    if constexpr (Plan::sleeps) prepare_waking(to_wake<Plan>(s, s.step), slots, changes);
+    if constexpr (Plan::sleeps) reserve_waking(to_wake<Plan>(s, s.step), slots, changes);
     else reserve_changes(s.broadphase, slots, changes);
 }
 template <class Plan>
@@ -38612,18 +38667,6 @@ void wake(world_data<Plan>& s, std::uint32_t body, std::uint32_t other) {
     for (const std::uint32_t i : {body, other}) list_island(s, i);
     prepare_waking(s);
     finish_waking(s);
-}
-/// Calls f(list, i) for the contacts of a body: list[i] is one of those that can be pushed, or of those of sleepers.
-template <class Plan, class F>
-void each_contact(const world_data<Plan>& s, std::uint32_t body, F&& f) {
-    const buffer<typename Plan::contact>* asleep = nullptr;
-    if constexpr (Plan::sleeps) asleep = &s.sleep.contacts;
-    s.step.contacts_of.each(s.bodies.slots(), s.contacts, asleep, body, [&](std::uint32_t n) {
-        const bool is_asleep = n >= s.contacts.size();
-        const std::uint32_t at = is_asleep ? n - s.contacts.size() : n;
-        const auto& list = is_asleep ? *asleep : s.contacts;
-        if (!s.removed.in(list[at])) f(list, at);
-    });
 }
 /// Lists what joints hold to a body.
 template <class Plan>
@@ -38708,17 +38751,16 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Forgets the contacts for which gone(contact) is true; the others keep their order.
+/// Forgets the contacts of a body for which gone(contact) is true, as the next step begins; to all they are gone at
+/// once. Nothing fails after index_contacts.
 template <class Plan, class Gone>
-void drop_contacts(world_data<Plan>& s, Gone&& gone) {
-    partition_contacts(
-        s.contacts, [&](const auto& c) { return !gone(c); },
-        [&]([[maybe_unused]] const auto& c) {
-            // What is removed has been noted, and others may bear the numbers by now.
-            if constexpr (Plan::events::contacts)
-                if (!s.removed.in(c)) note_dropped<Plan>(c, s.bodies, s.shapes, s.dropped.list);
-        });
-    s.step.contacts_of.is_stale = true;
+void drop_contacts(world_data<Plan>& s, std::uint32_t body, Gone&& gone) {
+    each_contact(s, body, [&](auto& in, std::uint32_t at) {
+        auto& c = in[at];
+        if (!gone(c)) return;
+        if constexpr (Plan::events::contacts) note_dropped<Plan>(c, s.bodies, s.shapes, s.dropped.list);
+        s.removed.add(c);
+    });
 }
 
 /// Forgets the contacts of a body's shapes, or of one of them only unless that is no_shape, as the next step begins; to
@@ -38918,6 +38960,7 @@ void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
         }
         if (!b.mass_is_set && !check_shapes_mass(s, index, f)) return;
     }
+    index_contacts(s);
     start_waking(s);
     list_affected(s, index);
     prepare_removal(
@@ -38935,9 +38978,8 @@ void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
     s.awake.is_stale = true;
     refresh_mass(s, index);
     reinsert_proxies(s, index);
-    drop_contacts(s, [&](const auto& c) {
-        const std::uint32_t first = c.bodies.body_a, second = c.bodies.body_b;
-        return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
+    drop_contacts(s, index, [&](const auto& c) {
+        return !s.bodies[c.bodies.body_a].is_dynamic() && !s.bodies[c.bodies.body_b].is_dynamic();
     });
 }
 
@@ -39251,6 +39293,7 @@ void set_filter(world_data<Plan>& s, std::uint32_t index, const collision_filter
     auto filtered = shape;
     filtered.filter = filter;
     const auto& owner = s.bodies[shape.body];
+    index_contacts(s);
     start_waking(s);
     list_affected(s, shape.body);
     if (owner.enabled) {
@@ -39261,7 +39304,7 @@ void set_filter(world_data<Plan>& s, std::uint32_t index, const collision_filter
         s, [&](auto&& of) { of(shape.body); }, index);
     finish_waking(s);
     shape.filter = filter;
-    drop_contacts(s, [&](const auto& c) {
+    drop_contacts(s, shape.body, [&](const auto& c) {
         return (c.shape_a == index || c.shape_b == index) &&
                !may_meet(s.shapes[c.shape_a].filter, s.shapes[c.shape_b].filter);
     });
@@ -39677,6 +39720,26 @@ template <class Memory>
     requires requires(const Memory& m) { m.digest(); }
 std::uint64_t digest_of(const Memory& m, std::uint64_t name) { return m.digest() != 0 ? hash_of(name, m.digest()) : 0; }
 
+/// Calls f(contact) for those with which the next step begins, in order.
+template <class Plan, class F>
+void each_pushed_contact(const state<Plan>& s, F&& f) {
+    const auto& contacts = s.contacts;
+    std::uint32_t i = 0;
+    const auto tell = [&](const auto& c) {
+        if (!s.removed.in(c)) f(c);
+    };
+    if constexpr (Plan::sleeps)
+        if (s.sleep.has_woken_contacts)
+            for (const auto& asleep : s.sleep.contacts) {
+                if (s.removed.in(asleep) || !can_be_pushed(asleep, s.bodies, s.sleep)) continue;
+                for (; i < contacts.size() && contacts[i].key() < asleep.key(); ++i) tell(contacts[i]);
+                auto woken = asleep;
+                rescale_impulses(&woken, &woken + 1, {s.sleep.step, s.sleep.step}, s.step_lengths);
+                f(woken);
+            }
+    for (; i < contacts.size(); ++i) tell(contacts[i]);
+}
+
 /// Of everything in a world that bears on its future, but for the settings: neither user data nor what only
 /// saves work, like the boxes of the broadphase. The dimensions of a shape enter by its bounds.
 template <class Plan>
@@ -39693,11 +39756,11 @@ std::uint64_t state_hash(const state<Plan>& s) {
     add_all(s.shapes);
     h.add(s.step_lengths.usual);
     if (!(s.step_lengths.last == s.step_lengths.usual)) h.add(s.step_lengths.last);
+    const auto add_contact = [&](const auto& c) { h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c)); };
     std::uint64_t contacts = 0;
-    for (const auto& c : s.contacts) contacts += !s.removed.in(c);
+    each_pushed_contact(s, [&](const auto&) { ++contacts; });
     h.add(contacts);
-    for (const auto& c : s.contacts)
-        if (!s.removed.in(c)) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+    each_pushed_contact(s, add_contact);
     if constexpr (Plan::sleeps) {
         s.bodies.each([&](std::uint32_t i, const auto&) {
             h.add(s.sleep.sleep_time[i]);
@@ -39705,8 +39768,12 @@ std::uint64_t state_hash(const state<Plan>& s) {
             h.add(s.sleep.carried_from[i]);
             h.add(std::uint64_t{s.sleep.island_next[i]});
         });
-        if (!s.sleep.contacts.empty()) h.add(s.sleep.step);
-        for (const auto& c : s.sleep.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+        bool any = false;
+        for (const auto& c : s.sleep.contacts) {
+            if (s.sleep.has_woken_contacts && (s.removed.in(c) || can_be_pushed(c, s.bodies, s.sleep))) continue;
+            if (!std::exchange(any, true)) h.add(s.sleep.step);
+            add_contact(c);
+        }
     }
     if constexpr (Plan::has_joints) {
         add_all(s.joints.records);
@@ -40382,7 +40449,7 @@ public:
         const auto b = detail::find_body(data(), id, "is_asleep");
         return b && data().is_asleep(b.index);
     }
-    /// Wakes a body and its island. O(contacts of sleepers).
+    /// Wakes a body and its island. O(bodies + shapes of the island).
     void wake(body_id id) {
         if (const auto b = detail::find_body(data(), id, "wake")) code::wake(data(), b.index, b.index);
     }
@@ -41482,7 +41549,7 @@ PHYSICS_HPP_BEGIN
 /// may change it too. Every function refuses bad numbers and null, foreign or stale handles with physics::error (see
 /// there for builds without exceptions) and then leaves the world as it was. A copy of a world is a world in the same
 /// state, and handles serve both; a world that was moved from is empty. Two worlds may be used on two threads.
-/// Functions cost O(1) unless they say otherwise, and O(contacts of sleepers) where they wake an island.
+/// Functions cost O(1) unless they say otherwise, and O(bodies + shapes of the island) where they wake one.
 ///
 /// Plan follows from the recipe and is never written. It makes two recipes of the same name in two units two types.
 template <class Recipe, class Plan = typename detail::plan_of<Recipe>::type>
@@ -41587,7 +41654,7 @@ public:
     void shift_origin(vec to) { code::shift_origin(data_, to); }
     /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
     /// that the scalar cannot hold. O(1) on static and kinematic bodies; on a dynamic one O(its shapes), and
-    /// O(contacts) where the centre of mass moves.
+    /// that of contacts(id) where the centre of mass moves.
     template <class Shape>
     shape_id create_shape(body_id body, const Shape& shape, const shape_def& def = {}) {
         constexpr bool known = any_shape::template kind_of<Shape>() >= 0;
@@ -41796,7 +41863,8 @@ public:
         return get(id, "filter", [](const auto& s) { return s.filter; });
     }
     /// Changes which shapes a shape meets. Contacts with those that it meets no longer are gone at once, others keep
-    /// their impulses; sleepers that it begins or ceases to touch wake. O(contacts + shapes of its body).
+    /// their impulses; sleepers that it begins or ceases to touch wake. O(shapes of its body), and that of
+    /// contacts(id).
     void set_filter(shape_id id, const collision_filter& filter) {
         const auto s = detail::find_shape(data_, id, "set_filter");
         if (s) code::set_filter(data_, s.index, filter);

@@ -20,38 +20,15 @@ struct contact_index {
     contact_index& operator=(contact_index&&) noexcept = default;
     ~contact_index() = default;
 
-    /// Calls f(number) for those of a body, in ascending order. Several threads may ask at once.
-    template <class Contact, class F>
-    void each(std::uint32_t bodies, const buffer<Contact>& awake, const buffer<Contact>* asleep, std::uint32_t body,
-              F&& f) {
-        update(bodies, awake, asleep);
+    /// Calls f(number) for those of a body, in ascending order, after an update.
+    template <class F>
+    void each(std::uint32_t body, F&& f) const {
         // Bodies that have come since then have none.
         if (body + 1 >= first_.size()) return;
         for (std::uint32_t k = first_[body]; k < first_[body + 1]; ++k) f(numbers_[k]);
     }
 
-private:
-    /// One thread at a time. Where the compiler has no such functions, worlds are asked by one thread only.
-    class lock {
-    public:
-        explicit lock(bool& taken) : taken_(taken) {
-#if defined(__GNUC__)
-            while (__atomic_test_and_set(&taken_, __ATOMIC_ACQUIRE)) {
-            }
-#endif
-        }
-        lock(const lock&) = delete;
-        lock& operator=(const lock&) = delete;
-        ~lock() {
-#if defined(__GNUC__)
-            __atomic_clear(&taken_, __ATOMIC_RELEASE);
-#endif
-        }
-
-    private:
-        bool& taken_;
-    };
-
+    /// Several threads may ask for it at once.
     template <class Contact>
     void update(std::uint32_t bodies, const buffer<Contact>& awake, const buffer<Contact>* asleep) {
         const lock one_at_a_time(taken_);
@@ -75,6 +52,28 @@ private:
         each_end([&](std::uint32_t body, std::uint32_t n) { numbers_[first_[body + 1]++] = n; });
         is_stale = false;
     }
+
+private:
+    /// One thread at a time. Where the compiler has no such functions, worlds are asked by one thread only.
+    class lock {
+    public:
+        explicit lock(bool& taken) : taken_(taken) {
+#if defined(__GNUC__)
+            while (__atomic_test_and_set(&taken_, __ATOMIC_ACQUIRE)) {
+            }
+#endif
+        }
+        lock(const lock&) = delete;
+        lock& operator=(const lock&) = delete;
+        ~lock() {
+#if defined(__GNUC__)
+            __atomic_clear(&taken_, __ATOMIC_RELEASE);
+#endif
+        }
+
+    private:
+        bool& taken_;
+    };
 
     buffer<std::uint32_t> first_, numbers_;
     bool taken_ = false;

@@ -34,34 +34,43 @@ void merge_contacts(buffer<Contact>& to, const buffer<Contact>& more) {
     }
 }
 
-/// Shapes that are destroyed or disabled since the last step. What names them in lists of contacts and of memories is
-/// no more, and goes with the next step, in one pass for all: until then no other shape of these numbers has any.
+/// Shapes that are destroyed or disabled since the last step, and whether single contacts are gone. What names them in
+/// lists of contacts and of memories is no more, and goes with the next step, in one pass for all: until then no other
+/// shape of these numbers has any.
 class removed_shapes {
 public:
     void reserve(std::uint32_t shapes) { is_removed_.reserve(shapes); }
     void make_room(std::uint32_t shapes) { is_removed_.grow(shapes); }
     void add(std::uint32_t shape) { is_removed_.set(shape); }
-    [[nodiscard]] bool any() const { return !is_removed_.empty(); }
+    /// Removes a single contact.
+    template <class Contact>
+    void add(Contact& c) {
+        c.count = 0;
+        any_contact_ = true;
+    }
+    [[nodiscard]] bool any() const { return any_contact_ || !is_removed_.empty(); }
     [[nodiscard]] bool has(std::uint32_t shape) const { return is_removed_.has(shape); }
     template <class Contact>
     [[nodiscard]] bool in(const Contact& c) const {
-        return any() && (has(c.shape_a) || has(c.shape_b));
+        return any() && (c.count == 0 || has(c.shape_a) || has(c.shape_b));
     }
-    /// Takes what names them out of the lists; false if there are none.
-    template <class Contact, class Plan>
-    bool take_out(buffer<Contact>& contacts, pair_cache<Plan>& memories) {
-        if (!any()) return false;
+    /// Takes them out of a list.
+    template <class Contact>
+    void take_out(buffer<Contact>& contacts) const {
         partition_contacts(
             contacts, [&](const auto& c) { return !in(c); }, [](const auto&) {});
-        memories.drop([&](std::uint32_t shape) { return has(shape); });
+    }
+    /// All lists are without them.
+    void clear() {
         is_removed_.clear();
-        return true;
+        any_contact_ = false;
     }
 
-    PHYSICS_HPP_MEMBERS(is_removed_)
+    PHYSICS_HPP_MEMBERS(is_removed_, any_contact_)
 
 private:
     bit_array is_removed_;
+    bool any_contact_ = false;
 };
 
 }  // namespace detail

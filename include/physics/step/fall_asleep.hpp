@@ -224,10 +224,9 @@ void move_contacts_to_sleepers(const pool<typename Plan::body>& bodies,
                                const step_lengths<typename Plan::scalar>& lengths,
                                buffer<typename Plan::contact>& contacts, sleep_state<Plan>& sleep,
                                buffer<typename Plan::contact>& moved) {
-    const auto is_pushed = [&](std::uint32_t i) { return is_awake_dynamic(bodies, sleep, i); };
     moved.clear();
     partition_contacts(
-        contacts, [&](const auto& c) { return is_pushed(c.bodies.body_a) || is_pushed(c.bodies.body_b); },
+        contacts, [&](const auto& c) { return can_be_pushed(c, bodies, sleep); },
         [&](const auto& c) { moved.push_back(c); });
     if (sleep.contacts.empty()) sleep.step = lengths.usual;
     rescale_impulses(moved.begin(), moved.end(), lengths, {sleep.step, sleep.step});

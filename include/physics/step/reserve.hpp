@@ -12,7 +12,6 @@ namespace detail {
 template <class Plan>
 void reserve_sleep(const wake_input<Plan>& w, typename Plan::scalar h) {
     using S = typename Plan::scalar;
-    auto &next = w.step.new_contacts, &last = w.contacts;
     std::uint32_t changes = 0;
     const auto count_shapes = [&](std::uint32_t body) {
         each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto&) { ++changes; });
@@ -25,8 +24,6 @@ void reserve_sleep(const wake_input<Plan>& w, typename Plan::scalar h) {
         w.step.woken.reserve(w.bodies.slots());
         w.step.is_listed.grow(w.bodies.slots());
         changes = w.shapes.slots();
-        next.reserve(next.size() + w.sleep.contacts.size());
-        last.reserve(w.sleep.contacts.size());
     }
     reserve_waking(w, w.shapes.slots(), changes);
     if constexpr (Plan::events::sleep)
@@ -45,10 +42,10 @@ void reserve_sleep(const wake_input<Plan>& w, typename Plan::scalar h) {
         count_shapes(i);
     }
     if (bodies == 0) return;
-    for (const auto& c : next)
+    for (const auto& c : w.step.new_contacts)
         contacts += (may_sleep(c.bodies.body_a) || !w.bodies[c.bodies.body_a].is_dynamic()) &&
                     (may_sleep(c.bodies.body_b) || !w.bodies[c.bodies.body_b].is_dynamic());
-    last.reserve(contacts);
+    w.contacts.reserve(contacts);
     w.sleep.contacts.reserve(w.sleep.contacts.size() + contacts);
     if constexpr (Plan::events::sleep) w.sleep.changes.slept.reserve(w.sleep.changes.slept.size() + bodies);
     reserve_changes(w.broadphase, w.shapes.slots(), changes);

@@ -63,12 +63,11 @@ PHYSICS_HPP_NOINLINE void wake_bodies(const wake_input<Plan>& w) {
     if (!w.step.woken.empty()) w.awake.is_stale = true;
     w.step.woken.clear();
 }
-/// Takes the contacts of sleepers, of which a body can be pushed again, out of their list: calls f with each.
-template <class Plan, class F>
-void take_woken_contacts(const wake_input<Plan>& w, F&& f) {
-    const auto is_pushed = [&](std::uint32_t i) { return is_awake_dynamic(w.bodies, w.sleep, i); };
+/// Takes the contacts of sleepers, of which a body can be pushed again, out of their list.
+template <class Plan>
+void take_woken_contacts(const wake_input<Plan>& w) {
     partition_contacts(
-        w.sleep.contacts, [&](const auto& c) { return !is_pushed(c.bodies.body_a) && !is_pushed(c.bodies.body_b); }, f);
+        w.sleep.contacts, [&](const auto& c) { return !can_be_pushed(c, w.bodies, w.sleep); }, [](const auto&) {});
 }
 /// Begins a list of islands to wake, in step.woken.
 template <class Plan>
@@ -88,29 +87,27 @@ PHYSICS_HPP_NOINLINE void list_island(const wake_input<Plan>& w, std::uint32_t b
         is_listed.set(i);
     });
 }
-/// Lists the contacts of those islands in step.new_contacts, and takes the memory for finish_waking, and for so many
-/// changes of the broadphase more, of shapes of numbers below `slots`. It changes nothing of the world. O(contacts of
-/// sleepers).
+/// Wakes the islands that are listed, with the memory of reserve_waking: nothing fails. Their contacts stay where they
+/// are until return_woken_contacts.
 template <class Plan>
-PHYSICS_HPP_NOINLINE void prepare_waking(const wake_input<Plan>& w, std::uint32_t slots, std::uint32_t changes) {
-    reserve_waking(w, slots, changes);
+void finish_waking(const wake_input<Plan>& w) {
     if (w.step.woken.empty()) return;
-    const auto& is_listed = w.step.is_listed;
+    wake_bodies(w);
+    w.sleep.has_woken_contacts = true;
+}
+/// Brings the contacts of bodies that have woken up since the last step to those that can be pushed. O(contacts), if
+/// there are any.
+template <class Plan>
+PHYSICS_HPP_NOINLINE void return_woken_contacts(const wake_input<Plan>& w) {
     auto& returning = w.step.new_contacts;
     returning.clear();
     for (const auto& c : w.sleep.contacts)
-        if (is_listed[c.bodies.body_a] || is_listed[c.bodies.body_b]) returning.push_back(c);
+        if (can_be_pushed(c, w.bodies, w.sleep)) returning.push_back(c);
     w.contacts.reserve(w.contacts.size() + returning.size());
-}
-/// Wakes the islands of prepare_waking, at once, with their contacts. Nothing fails.
-template <class Plan>
-PHYSICS_HPP_NOINLINE void finish_waking(const wake_input<Plan>& w) {
-    if (w.step.woken.empty()) return;
-    wake_bodies(w);
-    take_woken_contacts(w, [](const auto&) {});
-    auto& returning = w.step.new_contacts;
+    take_woken_contacts(w);
     rescale_impulses(returning.begin(), returning.end(), {w.sleep.step, w.sleep.step}, w.step_lengths);
     merge_contacts(w.contacts, returning);
+    w.sleep.has_woken_contacts = false;
     w.step.note_contacts_moved();
 }
 /// Lists those asleep in a box that a shape meets.
@@ -148,7 +145,7 @@ void wake_ahead(const wake_input<Plan>& w, typename Plan::scalar h) {
         if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
         start_waking(w);
         list_near(w, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
-        prepare_waking(w, w.shapes.slots(), 0);
+        reserve_waking(w, w.shapes.slots(), 0);
         finish_waking(w);
     }
 }
@@ -190,7 +187,7 @@ template <class Plan>
 void commit_woken(const wake_input<Plan>& w) {
     if (w.step.woken.empty()) return;
     wake_bodies(w);
-    take_woken_contacts(w, [](const auto&) {});
+    take_woken_contacts(w);
 }
 
 }  // namespace detail

@@ -100,8 +100,10 @@ struct sleep_state {
     buffer<std::uint32_t> island_next;
     /// How many bodies are asleep.
     std::uint32_t sleepers = 0;
-    /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs.
+    /// Contacts of which no body that can be pushed is awake, in ascending order of their pairs. Those of bodies that
+    /// have woken up since the last step are still there: the next one begins by taking them back, in one pass for all.
     buffer<typename Plan::contact> contacts;
+    bool has_woken_contacts = false;
     /// Length of the step in which their impulses acted (s).
     S step{};
     /// Bodies that have woken up or fallen asleep since the last step told of such.
@@ -127,7 +129,8 @@ struct sleep_state {
         carried_from[body] = S(-1);
         island_next[body] = no_sleeper;
     }
-    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, sleepers, contacts, step, changes)
+    PHYSICS_HPP_MEMBERS(sleep_time, sleep_anchor, carried_from, island_next, sleepers, contacts, has_woken_contacts,
+                        step, changes)
 };
 struct no_sleep_state {
     static constexpr bool is_asleep(std::uint32_t) { return false; }
@@ -139,6 +142,12 @@ using sleep_of = std::conditional_t<Plan::sleeps, sleep_state<Plan>, no_sleep_st
 template <class Bodies, class Sleep>
 bool is_awake_dynamic(const Bodies& bodies, const Sleep& sleep, std::uint32_t body) {
     return bodies[body].is_dynamic() && !sleep.is_asleep(body);
+}
+
+/// Whether a body of a contact can.
+template <class Contact, class Bodies, class Sleep>
+bool can_be_pushed(const Contact& c, const Bodies& bodies, const Sleep& sleep) {
+    return is_awake_dynamic(bodies, sleep, c.bodies.body_a) || is_awake_dynamic(bodies, sleep, c.bodies.body_b);
 }
 
 /// How far a body's shapes reach from its centre of mass; see stride.

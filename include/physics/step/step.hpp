@@ -32,6 +32,21 @@ void start_step(step_data<Plan>& d, const task_runner& tasks) {
     d.pair_cache_changes.by.prepare(tasks.workers());
 }
 
+/// What is removed, and what has woken up, since the last step -> contacts and memories without the one, and with the
+/// other among those that can be pushed.
+template <class Plan>
+void update_contacts(state<Plan>& s, step_data<Plan>& d) {
+    if (s.removed.any()) {
+        s.removed.take_out(s.contacts);
+        if constexpr (Plan::sleeps)
+            if (s.sleep.has_woken_contacts) s.removed.take_out(s.sleep.contacts);
+        s.memories.drop([&](std::uint32_t shape) { return s.removed.has(shape); });
+        s.removed.clear();
+        d.contacts_of.is_stale = true;
+    }
+    if constexpr (Plan::sleeps)
+        if (s.sleep.has_woken_contacts) return_woken_contacts(to_wake(s, d));
+}
 /// Boxes -> pairs of shapes that may touch.
 template <class Plan>
 const buffer<proxy_pair>& find_solid_pairs(state<Plan>& s, step_data<Plan>& d) {
@@ -76,8 +91,8 @@ PHYSICS_HPP_NOINLINE step_result step(state<Plan>& s, step_data<Plan>& d, typena
     clear_depths<Plan>(s.bodies.slots(), d.sweep);
     // Settings -> what all surfaces make of each other, where no shape has a material of its own.
     if (!combine_common_materials<Plan>(s.settings, d.new_material)) return step_result::bad_mixing_rule;
-    // Shapes that are gone -> contacts and memories without them.
-    if (s.removed.take_out(s.contacts, s.memories)) d.contacts_of.is_stale = true;
+    // What has changed since the last step -> its contacts, and memories of pairs, that are left.
+    update_contacts(s, d);
     // Velocities -> boxes in the broadphase, of bodies that look ahead; how far, in d.sweep.
     look_ahead<Plan>(s.bodies, s.shapes, s.sleep, s.continuous, s.settings, h, s.broadphase, d.sweep);
     // Bodies -> which of them move.

@@ -73,7 +73,7 @@ public:
         const auto b = detail::find_body(data(), id, "is_asleep");
         return b && data().is_asleep(b.index);
     }
-    /// Wakes a body and its island. O(contacts of sleepers).
+    /// Wakes a body and its island. O(bodies + shapes of the island).
     void wake(body_id id) {
         if (const auto b = detail::find_body(data(), id, "wake")) code::wake(data(), b.index, b.index);
     }

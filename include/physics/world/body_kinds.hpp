@@ -28,6 +28,7 @@ void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
         }
         if (!b.mass_is_set && !check_shapes_mass(s, index, f)) return;
     }
+    index_contacts(s);
     start_waking(s);
     list_affected(s, index);
     prepare_removal(
@@ -45,9 +46,8 @@ void set_type(world_data<Plan>& s, std::uint32_t index, body_type type) {
     s.awake.is_stale = true;
     refresh_mass(s, index);
     reinsert_proxies(s, index);
-    drop_contacts(s, [&](const auto& c) {
-        const std::uint32_t first = c.bodies.body_a, second = c.bodies.body_b;
-        return (first == index || second == index) && !s.bodies[first].is_dynamic() && !s.bodies[second].is_dynamic();
+    drop_contacts(s, index, [&](const auto& c) {
+        return !s.bodies[c.bodies.body_a].is_dynamic() && !s.bodies[c.bodies.body_b].is_dynamic();
     });
 }
 

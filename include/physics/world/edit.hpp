@@ -242,6 +242,7 @@ void set_filter(world_data<Plan>& s, std::uint32_t index, const collision_filter
     auto filtered = shape;
     filtered.filter = filter;
     const auto& owner = s.bodies[shape.body];
+    index_contacts(s);
     start_waking(s);
     list_affected(s, shape.body);
     if (owner.enabled) {
@@ -252,7 +253,7 @@ void set_filter(world_data<Plan>& s, std::uint32_t index, const collision_filter
         s, [&](auto&& of) { of(shape.body); }, index);
     finish_waking(s);
     shape.filter = filter;
-    drop_contacts(s, [&](const auto& c) {
+    drop_contacts(s, shape.body, [&](const auto& c) {
         return (c.shape_a == index || c.shape_b == index) &&
                !may_meet(s.shapes[c.shape_a].filter, s.shapes[c.shape_b].filter);
     });

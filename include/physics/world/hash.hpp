@@ -200,6 +200,26 @@ template <class Memory>
     requires requires(const Memory& m) { m.digest(); }
 std::uint64_t digest_of(const Memory& m, std::uint64_t name) { return m.digest() != 0 ? hash_of(name, m.digest()) : 0; }
 
+/// Calls f(contact) for those with which the next step begins, in order.
+template <class Plan, class F>
+void each_pushed_contact(const state<Plan>& s, F&& f) {
+    const auto& contacts = s.contacts;
+    std::uint32_t i = 0;
+    const auto tell = [&](const auto& c) {
+        if (!s.removed.in(c)) f(c);
+    };
+    if constexpr (Plan::sleeps)
+        if (s.sleep.has_woken_contacts)
+            for (const auto& asleep : s.sleep.contacts) {
+                if (s.removed.in(asleep) || !can_be_pushed(asleep, s.bodies, s.sleep)) continue;
+                for (; i < contacts.size() && contacts[i].key() < asleep.key(); ++i) tell(contacts[i]);
+                auto woken = asleep;
+                rescale_impulses(&woken, &woken + 1, {s.sleep.step, s.sleep.step}, s.step_lengths);
+                f(woken);
+            }
+    for (; i < contacts.size(); ++i) tell(contacts[i]);
+}
+
 /// Of everything in a world that bears on its future, but for the settings: neither user data nor what only
 /// saves work, like the boxes of the broadphase. The dimensions of a shape enter by its bounds.
 template <class Plan>
@@ -216,11 +236,11 @@ std::uint64_t state_hash(const state<Plan>& s) {
     add_all(s.shapes);
     h.add(s.step_lengths.usual);
     if (!(s.step_lengths.last == s.step_lengths.usual)) h.add(s.step_lengths.last);
+    const auto add_contact = [&](const auto& c) { h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c)); };
     std::uint64_t contacts = 0;
-    for (const auto& c : s.contacts) contacts += !s.removed.in(c);
+    each_pushed_contact(s, [&](const auto&) { ++contacts; });
     h.add(contacts);
-    for (const auto& c : s.contacts)
-        if (!s.removed.in(c)) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+    each_pushed_contact(s, add_contact);
     if constexpr (Plan::sleeps) {
         s.bodies.each([&](std::uint32_t i, const auto&) {
             h.add(s.sleep.sleep_time[i]);
@@ -228,8 +248,12 @@ std::uint64_t state_hash(const state<Plan>& s) {
             h.add(s.sleep.carried_from[i]);
             h.add(std::uint64_t{s.sleep.island_next[i]});
         });
-        if (!s.sleep.contacts.empty()) h.add(s.sleep.step);
-        for (const auto& c : s.sleep.contacts) h.add(hash_of(std::uint64_t{c.shape_a} << 32 | c.shape_b, c));
+        bool any = false;
+        for (const auto& c : s.sleep.contacts) {
+            if (s.sleep.has_woken_contacts && (s.removed.in(c) || can_be_pushed(c, s.bodies, s.sleep))) continue;
+            if (!std::exchange(any, true)) h.add(s.sleep.step);
+            add_contact(c);
+        }
     }
     if constexpr (Plan::has_joints) {
         add_all(s.joints.records);

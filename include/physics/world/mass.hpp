@@ -80,9 +80,16 @@ void set_mass_properties(world_data<Plan>& s, std::uint32_t index,
         b.velocity.linear = velocity_at(b.velocity, center - b.center);
         b.center = center;
         const vec<S, Plan::dimension> turned_shift = s.contact_starts[index].rotation * shift;
-        for (auto& c : s.contacts) {
+        const auto move = [&](auto& c) {
             if (c.bodies.body_a == index) c.r_a -= turned_shift;
             if (c.bodies.body_b == index) c.r_b -= turned_shift;
+        };
+        if (run_if_memory_lasts([&] { index_contacts(s); })) {
+            each_contact(s, index, [&](auto& in, std::uint32_t at) { move(in[at]); });
+        } else {
+            for (auto& c : s.contacts) move(c);
+            if constexpr (Plan::sleeps)
+                for (auto& c : s.sleep.contacts) move(c);
         }
     }
     b.mass = mass;

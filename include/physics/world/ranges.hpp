@@ -231,11 +231,14 @@ public:
     range_end end() const { return {}; }
     /// Number of contacts. O(contacts) after some have been destroyed, until the next step.
     [[nodiscard]] std::uint32_t size() const {
-        std::uint32_t count = state_->contacts.size();
-        if (state_->removed.any())
-            for (const auto& c : state_->contacts) count -= state_->removed.in(c);
-        if constexpr (Plan::sleeps) count += state_->sleep.contacts.size();
-        return count;
+        const auto size_of = [&](const list& in) {
+            std::uint32_t count = in.size();
+            if (state_->removed.any())
+                for (const auto& c : in) count -= state_->removed.in(c);
+            return count;
+        };
+        if constexpr (Plan::sleeps) return size_of(state_->contacts) + size_of(state_->sleep.contacts);
+        else return size_of(state_->contacts);
     }
 
 private:

@@ -8,17 +8,16 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// Forgets the contacts for which gone(contact) is true; the others keep their order.
+/// Forgets the contacts of a body for which gone(contact) is true, as the next step begins; to all they are gone at
+/// once. Nothing fails after index_contacts.
 template <class Plan, class Gone>
-void drop_contacts(world_data<Plan>& s, Gone&& gone) {
-    partition_contacts(
-        s.contacts, [&](const auto& c) { return !gone(c); },
-        [&]([[maybe_unused]] const auto& c) {
-            // What is removed has been noted, and others may bear the numbers by now.
-            if constexpr (Plan::events::contacts)
-                if (!s.removed.in(c)) note_dropped<Plan>(c, s.bodies, s.shapes, s.dropped.list);
-        });
-    s.step.contacts_of.is_stale = true;
+void drop_contacts(world_data<Plan>& s, std::uint32_t body, Gone&& gone) {
+    each_contact(s, body, [&](auto& in, std::uint32_t at) {
+        auto& c = in[at];
+        if (!gone(c)) return;
+        if constexpr (Plan::events::contacts) note_dropped<Plan>(c, s.bodies, s.shapes, s.dropped.list);
+        s.removed.add(c);
+    });
 }
 
 /// Forgets the contacts of a body's shapes, or of one of them only unless that is no_shape, as the next step begins; to

@@ -21,7 +21,7 @@ void list_island(world_data<Plan>& s, std::uint32_t body) {
 /// For a change of so many shapes in the broadphase, of numbers below `slots`.
 template <class Plan>
 void prepare_waking(world_data<Plan>& s, std::uint32_t slots, std::uint32_t changes) {
-    if constexpr (Plan::sleeps) prepare_waking(to_wake<Plan>(s, s.step), slots, changes);
+    if constexpr (Plan::sleeps) reserve_waking(to_wake<Plan>(s, s.step), slots, changes);
     else reserve_changes(s.broadphase, slots, changes);
 }
 template <class Plan>
@@ -48,18 +48,6 @@ void wake(world_data<Plan>& s, std::uint32_t body, std::uint32_t other) {
     for (const std::uint32_t i : {body, other}) list_island(s, i);
     prepare_waking(s);
     finish_waking(s);
-}
-/// Calls f(list, i) for the contacts of a body: list[i] is one of those that can be pushed, or of those of sleepers.
-template <class Plan, class F>
-void each_contact(const world_data<Plan>& s, std::uint32_t body, F&& f) {
-    const buffer<typename Plan::contact>* asleep = nullptr;
-    if constexpr (Plan::sleeps) asleep = &s.sleep.contacts;
-    s.step.contacts_of.each(s.bodies.slots(), s.contacts, asleep, body, [&](std::uint32_t n) {
-        const bool is_asleep = n >= s.contacts.size();
-        const std::uint32_t at = is_asleep ? n - s.contacts.size() : n;
-        const auto& list = is_asleep ? *asleep : s.contacts;
-        if (!s.removed.in(list[at])) f(list, at);
-    });
 }
 /// Lists what joints hold to a body.
 template <class Plan>

@@ -18,7 +18,7 @@ PHYSICS_HPP_BEGIN
 /// may change it too. Every function refuses bad numbers and null, foreign or stale handles with physics::error (see
 /// there for builds without exceptions) and then leaves the world as it was. A copy of a world is a world in the same
 /// state, and handles serve both; a world that was moved from is empty. Two worlds may be used on two threads.
-/// Functions cost O(1) unless they say otherwise, and O(contacts of sleepers) where they wake an island.
+/// Functions cost O(1) unless they say otherwise, and O(bodies + shapes of the island) where they wake one.
 ///
 /// Plan follows from the recipe and is never written. It makes two recipes of the same name in two units two types.
 template <class Recipe, class Plan = typename detail::plan_of<Recipe>::type>
@@ -123,7 +123,7 @@ public:
     void shift_origin(vec to) { code::shift_origin(data_, to); }
     /// Adds a shape of the recipe's set to a body; unless the body's mass is set, it changes with it. Refuses a mass
     /// that the scalar cannot hold. O(1) on static and kinematic bodies; on a dynamic one O(its shapes), and
-    /// O(contacts) where the centre of mass moves.
+    /// that of contacts(id) where the centre of mass moves.
     template <class Shape>
     shape_id create_shape(body_id body, const Shape& shape, const shape_def& def = {}) {
         constexpr bool known = any_shape::template kind_of<Shape>() >= 0;
@@ -332,7 +332,8 @@ public:
         return get(id, "filter", [](const auto& s) { return s.filter; });
     }
     /// Changes which shapes a shape meets. Contacts with those that it meets no longer are gone at once, others keep
-    /// their impulses; sleepers that it begins or ceases to touch wake. O(contacts + shapes of its body).
+    /// their impulses; sleepers that it begins or ceases to touch wake. O(shapes of its body), and that of
+    /// contacts(id).
     void set_filter(shape_id id, const collision_filter& filter) {
         const auto s = detail::find_shape(data_, id, "set_filter");
         if (s) code::set_filter(data_, s.index, filter);
