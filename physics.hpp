@@ -33810,8 +33810,16 @@ void wake_ahead(const wake_input<Plan>& w, typename Plan::scalar h) {
             continue;
         auto turn = b.rotation;
         if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
+        const transform<typename Plan::scalar, Plan::dimension> to{
+            b.center + b.velocity.linear * h - turn * b.mass.center, turn};
+        // Out of the range of numbers no step takes it, and nothing may fail here.
+        bool fits = true;
+        each_shape(w.bodies, w.shapes, i, [&](std::uint32_t, const auto& shape) {
+            fits = fits && is_box(bounds(shape.shape, to * shape.local));
+        });
+        if (!fits) continue;
         start_waking(w);
-        list_near(w, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
+        list_near(w, i, to);
         reserve_waking(w, w.shapes.slots(), 0);
         finish_waking(w);
     }
@@ -35859,8 +35867,9 @@ private:
         // Of fixed point the range in double may be rounded up.
         const double maximum = to_double(scalar_traits<S>::max()) * (1 - 0x1p-24);
         for (int i = 0; i < D; ++i) {
-            box.lower[i] = static_cast<S>(max(own.box.lower[i], -maximum));
-            box.upper[i] = static_cast<S>(min(own.box.upper[i], maximum));
+            // Both ends by both: the body may be where the range ends.
+            box.lower[i] = static_cast<S>(clamp(own.box.lower[i], -maximum, maximum));
+            box.upper[i] = static_cast<S>(clamp(own.box.upper[i], -maximum, maximum));
         }
         const auto add = [&](std::uint32_t other) {
             each_shape(in_.bodies, in_.shapes, own.body, [&](std::uint32_t i, const shape_record<Plan>& shape) {

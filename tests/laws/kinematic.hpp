@@ -1,6 +1,9 @@
 // Laws of bodies that targets move: how fast they say that they are, what rides on them, and what they push.
 #pragma once
 
+#include <string>
+
+#include "refusal.hpp"
 #include "world_cell.hpp"
 
 namespace {
@@ -189,6 +192,27 @@ CELL_CASE("kinematic: a paddle that a target turns takes along what it meets") {
     CHECK(number(length(w.position(ball))) <= 1.5);
     run(w, 32);
     CHECK(number(inverse_rotate(w.rotation(paddle), w.position(ball)).y) >= 0.36);
+}
+
+CELL_CASE(
+    "kinematic: a step that would take a body out of the range is refused with nothing changed, by sleepers too") {
+    ride r;
+    run(r.w, 128);
+    REQUIRE(r.w.is_asleep(r.crate));
+    vec far, fast;
+    far.y = cell::traits::max() * S(0.4);
+    fast.y = cell::traits::max() * S(0.25);
+    const body_id leaving =
+        r.w.create_body({.type = body_type::kinematic_body, .position = far, .linear_velocity = fast});
+    r.w.create_shape(leaving, world::ball{S(0.25)});
+    bool refused = false;
+    for (int i = 0; i < 64 && !refused; ++i) {
+        const auto before = r.w.state_hash();
+        refused = refusal([&] { r.w.step(S(0.125)); }).find("step: ") != std::string::npos;
+        CHECK((r.w.state_hash() == before) == refused);
+    }
+    CHECK(refused);
+    CHECK(r.w.is_asleep(r.crate));
 }
 
 }  // namespace kinematic_laws

@@ -153,5 +153,15 @@ CELL_CASE("swept sensors: what is stopped before a sensor does not pass it") {
     CHECK(w.sensor_end_events().size() == 1);
 }
 
+CELL_CASE("swept sensors: steps go on where a sensor is at the end of the range") {
+    world w = at_rest();
+    vec end;
+    end[1] = cell::is_fixed ? cell::traits::max() * S(0.5) : cell::traits::max();
+    const body_id far = w.create_body({.position = end, .linear_velocity = along(0, 100)});
+    w.create_shape(far, world::ball{S(0.25)}, {.sensor = true});
+    w.step(S(0.125));
+    CHECK(w.position(far)[0] > S(12));
+}
+
 }  // namespace swept_sensors_laws
 }  // namespace

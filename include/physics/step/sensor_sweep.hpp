@@ -106,8 +106,9 @@ private:
         // Of fixed point the range in double may be rounded up.
         const double maximum = to_double(scalar_traits<S>::max()) * (1 - 0x1p-24);
         for (int i = 0; i < D; ++i) {
-            box.lower[i] = static_cast<S>(max(own.box.lower[i], -maximum));
-            box.upper[i] = static_cast<S>(min(own.box.upper[i], maximum));
+            // Both ends by both: the body may be where the range ends.
+            box.lower[i] = static_cast<S>(clamp(own.box.lower[i], -maximum, maximum));
+            box.upper[i] = static_cast<S>(clamp(own.box.upper[i], -maximum, maximum));
         }
         const auto add = [&](std::uint32_t other) {
             each_shape(in_.bodies, in_.shapes, own.body, [&](std::uint32_t i, const shape_record<Plan>& shape) {

@@ -143,8 +143,16 @@ void wake_ahead(const wake_input<Plan>& w, typename Plan::scalar h) {
             continue;
         auto turn = b.rotation;
         if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
+        const transform<typename Plan::scalar, Plan::dimension> to{
+            b.center + b.velocity.linear * h - turn * b.mass.center, turn};
+        // Out of the range of numbers no step takes it, and nothing may fail here.
+        bool fits = true;
+        each_shape(w.bodies, w.shapes, i, [&](std::uint32_t, const auto& shape) {
+            fits = fits && is_box(bounds(shape.shape, to * shape.local));
+        });
+        if (!fits) continue;
         start_waking(w);
-        list_near(w, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
+        list_near(w, i, to);
         reserve_waking(w, w.shapes.slots(), 0);
         finish_waking(w);
     }
