@@ -33845,6 +33845,8 @@ bool list_woken(const buffer<typename Plan::contact>& contacts, const pool<typen
         const std::uint32_t sleeper = of_a ? a : b;
         if (awake.has(sleeper) || !will_touch(c, bodies[a].velocity_ahead(h), bodies[b].velocity_ahead(h), h, slack))
             continue;
+        // Before the list changes, so that a step which finds no memory leaves none to the next one.
+        awake.is_stale = true;
         each_of_island(sleep, sleeper, [&](std::uint32_t i) {
             awake.index_of[i] = 0;
             woken.push_back(i);
@@ -33853,7 +33855,6 @@ bool list_woken(const buffer<typename Plan::contact>& contacts, const pool<typen
     if (woken.empty()) return false;
     for (const std::uint32_t i : woken) awake.bodies.push_back(i);
     awake.number(bodies.slots());
-    awake.is_stale = true;
     return true;
 }
 

@@ -71,7 +71,13 @@ struct scene {
             step(w);
         }
         // It runs into the piles, which are woken ahead of it.
-        if (steps > 90) w.set_linear_velocity(lift, at(-100, 0));
+        if (steps == 91) w.set_linear_velocity(lift, at(-100, 0));
+        // It is about to fall onto sleepers, which the step wakes that meets them.
+        if (steps == 92) {
+            w.create_shape(w.create_body({.position = at(0, 2.39), .linear_velocity = at(0, -8)}),
+                           typename world::ball{S(0.25)});
+            step(w);
+        }
         return w;
     }
 
@@ -263,5 +269,12 @@ TEST_CASE_TEMPLATE_DEFINE("memory: what finds none is refused, and the world as 
     CHECK(refusals > 500);
 }
 TEST_CASE_TEMPLATE_INVOKE(recipes, full, impulses, bare, hashed, swept_boxes);
+TEST_CASE_TEMPLATE("memory: a step that was refused wakes what it meets as it is taken again", Recipe, full, hashed) {
+    int refusals = 0;
+    for (const auto& call : scene<Recipe>::all_calls())
+        if (std::string(call.name).rfind("step", 0) == 0)
+            for (const bool all : {false, true}) refusals += refuse_each<Recipe>(call, 10, 92, all);
+    CHECK(refusals > 10);
+}
 
 }  // namespace
