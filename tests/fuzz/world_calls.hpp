@@ -25,8 +25,11 @@ public:
         quietly([&] { w.set_settings(with); });
         if (v.rarely(4)) return;
         const body_id ground = add_body({.type = body_type::static_body});
-        if (v.rarely(2)) create(ground, typename world::box{vec::filled(S(4))}, {.position = on_y(-4)});
-        else create(ground, typename world::halfspace{}, {});
+        switch (v.below(4)) {
+            case 0: create(ground, typename world::box{vec::filled(S(4))}, {.position = on_y(-4)}); break;
+            case 1: create(ground, typename world::halfspace{}, {}); break;
+            default: with_parts(v, [&](const auto& shape) { create(ground, shape, {}); });
+        }
         heap();
     }
     void run() {
@@ -40,6 +43,7 @@ public:
             for (const body_id b : std::vector(known.bodies)) known.destroy(b);
             this->step(S(1.0 / 64));
             FUZZ_REQUIRE(this->told.touching.empty() && this->told.inside.empty() && this->told.asleep.empty());
+            FUZZ_REQUIRE(this->told.at_limits.empty());
         }
     }
 
@@ -153,13 +157,15 @@ private:
         });
         if (made) known.joints.push_back({made, a, b});
     }
+    template <template <class, int> class... Joints>
+    static std::tuple<const Joints<S, D>*...> kinds_of(const physics::joints<Joints...>&);
+    using kinds = decltype(kinds_of(typename world::joint_list{}));
+    static constexpr int kind_count = std::tuple_size_v<kinds>;
     /// Calls f(a null pointer to a kind) with the kind of that number.
     template <class F>
     static void with_kind(int number, F&& f) {
-        std::apply([&](auto... kind) { ((number-- == 0 ? f(kind) : void()), ...); },
-                   typename Recipe::template kinds<S, D>{});
+        std::apply([&](auto... kind) { ((number-- == 0 ? f(kind) : void()), ...); }, kinds{});
     }
-    static constexpr int kind_count = std::tuple_size_v<typename Recipe::template kinds<S, D>>;
     void set_joint() {
         const joint_id j = any_joint();
         with_kind(v.below(kind_count), [&]<class Joint>(const Joint*) {
@@ -225,6 +231,9 @@ private:
                 case 5: on.create_shape(b, typename world::ball{S(0.25)}); break;
                 case 6: on.wake(b); break;
                 case 7: on.create_body({.position = by}); break;
+                case 8: on.set_filter(s, {1, 5, -1}); break;
+                case 9: on.create_joint(b, *on.bodies().begin(), typename world::distance_joint{}); break;
+                case 10: on.set_enabled(b, false); break;
                 default: on.clear();
             }
         });
@@ -232,7 +241,7 @@ private:
     void ask_and_meddle() {
         const transform at = v.pose(3);
         const vec way = v.vector(6), by = v.vector(2);
-        const int what = v.below(6), how = v.below(9);
+        const int what = v.below(6), how = v.below(12);
         const S reach = v.positive(3);
         apply([&](world& on) {
             int calls = 0;
@@ -267,6 +276,7 @@ private:
         for (int n = v.below(4) == 0 ? 16 : 1 + v.below(4); n > 0 && steps_left > 0; --n, --steps_left) this->step(dt);
     }
     void double_up() {
+        ++operations;
         twin.reset();
         constexpr stepped ways[] = {stepped::plainly, stepped::by_two, stepped::by_three, stepped::backwards};
         this->twin_steps = ways[v.below(4)];
@@ -281,7 +291,13 @@ private:
     }
     void change_body();
     void change_shape();
+    void walk();
+    void act_on_all();
     void one();
+
+    using character = physics::character<world>;
+    std::optional<character> walker;
+    bool pushes = false;
 
     typename base::moment moments[2];
     std::uint64_t next_data = 1;
@@ -290,7 +306,7 @@ private:
 
 template <class Recipe>
 void session<Recipe>::one() {
-    switch (v.below(32)) {
+    switch (v.below(36)) {
         case 0: heap(); break;
         case 1:
         case 2:
@@ -358,6 +374,9 @@ void session<Recipe>::one() {
         case 24:
         case 25:
         case 26: change_body(); break;
+        case 27:
+        case 28: walk(); break;
+        case 29: act_on_all(); break;
         default: steps();
     }
 }
@@ -368,15 +387,5 @@ std::vector<std::uint64_t> play(input in) {
     s.run();
     return s.trace;
 }
-
-using all_events = physics::events<physics::event::contact, physics::event::hit, physics::event::sensor,
-                                   physics::event::sleep, physics::event::move, physics::event::joint_limit>;
-using all_shapes = physics::shapes<physics::ball, physics::capsule, physics::box, physics::halfspace, physics::hull>;
-
-template <class S, int D>
-using few_joints = std::tuple<const physics::distance_joint<S, D>*, const physics::revolute_joint<S, D>*>;
-template <class S, int D>
-using other_joints =
-    std::tuple<const physics::ball_joint<S, D>*, const physics::weld_joint<S, D>*, const physics::motor_joint<S, D>*>;
 
 }  // namespace fuzz

@@ -1,4 +1,4 @@
-// Changes of a body and of a shape, in any order.
+// Changes of a body, of a shape and of all bodies, in any order; and a character among them.
 #pragma once
 
 #include "world_calls.hpp"
@@ -95,6 +95,67 @@ void session<Recipe>::change_shape() {
         }
         default:
             if (apply_to(is, [&](world& on) { on.destroy_shape(s); })) known.destroy(s);
+    }
+}
+
+template <class Recipe>
+void session<Recipe>::act_on_all() {
+    const vec at = v.vector(3);
+    const S size = v.positive(3), much = v.real(20);
+    switch (v.below(5)) {
+        case 0: this->apply_several([&](world& on) { apply_gravity_well(on, {at, size, much}); }); break;
+        case 1: this->apply_several([&](world& on) { apply_wind(on, {at, size}, S(1.0 / 64)); }); break;
+        case 2: this->apply_several([&](world& on) { explode(on, {at, size, size, much, {}}); }); break;
+        case 3: {
+            physics::water<S, D> water;
+            water.height = at[0];
+            water.velocity[0] = at[1];
+            water.density = size;
+            this->apply_several([&](world& on) { apply_buoyancy(on, water, S(1.0 / 64)); });
+            break;
+        }
+        default: apply([&](world& on) { on.shift_origin(at); });
+    }
+}
+
+template <class Recipe>
+void session<Recipe>::walk() {
+    const vec way = v.vector(6);
+    if (!walker || v.rarely(6)) {
+        typename character::settings_type with;
+        const unsigned flags = v.byte();
+        pushes = flags & 1;
+        if (!pushes) with.strength = with.mass = S(0);
+        if (flags & 2) with.step_height = v.share(1), with.snap_distance = v.share(1);
+        if (flags & 4) with.skin = v.positive(0.125), with.max_slope = v.positive(1.5);
+        const auto body = world::capsule::upright(S(1.25), S(0.25));
+        walker.reset();
+        quietly([&] { walker.emplace(body, v.vector(3), on_y(1), with); });
+        if (!walker) return;
+    }
+    const int how = v.below(8);
+    quietly([&] {
+        if (how == 0) walker->jump(v.positive(8));
+        if (how == 1) walker->set_fall_velocity(v.vector(8));
+        if (how == 2) walker->set_feet(v.vector(3));
+    });
+    for (int n = 1 + v.below(3); n > 0; --n) {
+        std::optional<character> moved;
+        const auto move = [&](world& on) {
+            const std::uint64_t hash = on.state_hash();
+            character next = *walker;
+            next.move(on, way, S(1.0 / 64));
+            if (!pushes) FUZZ_REQUIRE(on.state_hash() == hash);
+            // The same in each of the worlds.
+            if (moved) FUZZ_REQUIRE(moved->pose().position == next.pose().position);
+            moved = next;
+        };
+        if (pushes) this->apply_several(move);
+        else apply(move);
+        if (!moved) return;
+        walker = moved;
+        FUZZ_REQUIRE(is_sound(walker->pose().position) && is_sound(walker->velocity()));
+        if (walker->ground()) FUZZ_REQUIRE(is_unit(walker->ground().normal));
     }
 }
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "world_values.hpp"
+#include "world_surfaces.hpp"
 
 namespace fuzz {
 
@@ -49,14 +49,20 @@ template <class World>
 auto pose_of(const World& w, shape_id s) {
     return w.pose(w.body(s)) * w.local_pose(s);
 }
-/// How far apart two shapes are, less than nothing where they overlap.
+/// How far a shape is from a convex one, less than nothing where they overlap; of what has parts not beyond a reach.
+template <class A, class B, class S, int D>
+double gap_between(const A& a, const B& b, const physics::transform<S, D>& b_in_a) {
+    if constexpr (physics::detail::has_parts<A, D>) return as_double(separation(a, b, b_in_a, S(2)).distance);
+    else return as_double(separation(a, b, b_in_a).distance);
+}
+/// How far apart two shapes are, less than nothing where they overlap; no number of surfaces, which may be one-sided.
 template <class World>
 double distance_of(const World& w, shape_id a, shape_id b) {
     const auto of_a = w.shape(a), of_b = w.shape(b);
     const auto at = relative(pose_of(w, a), pose_of(w, b));
     return of_a.visit([&](const auto& x) {
         return of_b.visit([&](const auto& y) {
-            if constexpr (requires { separation(x, y, at); }) return as_double(separation(x, y, at).distance);
+            if constexpr (requires { separation(x, y, at); }) return gap_between(x, y, at);
             else return std::numeric_limits<double>::quiet_NaN();
         });
     });
@@ -108,6 +114,8 @@ struct listener {
             FUZZ_REQUIRE(w.is_sensor(e.sensor) && !w.is_sensor(e.visitor));
             FUZZ_REQUIRE(inside.try_emplace({e.sensor, e.visitor}, e.sensor_data, e.visitor_body_data).second);
         }
+        for (const auto& b : w.broken_joints()) FUZZ_REQUIRE(w.contains(b.joint) && !w.joint_enabled(b.joint));
+        for (const auto& j : at_limits) FUZZ_REQUIRE(w.contains(j.first) && w.joint_enabled(j.first));
         // What has woken may have fallen asleep since.
         for (const body_id b : w.wake_events()) asleep.erase(b);
         for (const body_id b : w.sleep_events()) asleep.insert(b);

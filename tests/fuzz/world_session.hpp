@@ -75,6 +75,24 @@ struct things {
     }
 };
 
+/// Calls of worlds so far: each changes the world, asks it or takes a step, and is checked.
+inline unsigned long operations = 0;
+
+/// A call of a world, so that what is checked around calls is compiled once for all of them.
+template <class World>
+class world_call {
+public:
+    template <class F>
+    explicit world_call(F& f)
+        : object_(const_cast<void*>(static_cast<const void*>(std::addressof(f)))),
+          run_([](void* object, World& on) { (*static_cast<F*>(object))(on); }) {}
+    void operator()(World& on) const { run_(object_, on); }
+
+private:
+    void* object_;
+    void (*run_)(void*, World&);
+};
+
 /// Two workers or three, as threads that outlive inputs.
 inline physics::thread_pool& pool_of(int workers) {
     static physics::thread_pool two(2), three(3);
@@ -114,9 +132,10 @@ protected:
         std::uint64_t hash = 0;
     };
 
+    using call = world_call<world>;
+
     /// Calls f(world); a refusal leaves it as it was, to the last byte. Says whether it was done.
-    template <class F>
-    bool attempt(world& on, F&& f) {
+    bool attempt(world& on, const call& f) {
         const std::uint64_t hash = on.state_hash();
         before_.save(access::state_of(on));
         try {
@@ -133,8 +152,7 @@ protected:
         return false;
     }
     /// Now and then the same in a copy, which has no room to spare and finds no memory at first: as it was then.
-    template <class F>
-    std::optional<world> starve(F&& f) {
+    std::optional<world> starve(const call& f) {
         if (++calls_made_ % 4 != 0) return {};
         std::optional<world> scarce(w);
         const std::uint64_t hash = w.state_hash();
@@ -155,8 +173,7 @@ protected:
         return scarce;
     }
     /// And again with memory: it goes on as the world, which has made the call.
-    template <class F>
-    void feed(std::optional<world>& scarce, F&& f) {
+    void feed(std::optional<world>& scarce, const call& f) {
         if (!scarce) return;
         quietly([&] { f(*scarce); });
         FUZZ_REQUIRE(scarce->state_hash() == w.state_hash());
@@ -167,6 +184,10 @@ protected:
     /// The same for the world and its double, which must agree.
     template <class F>
     bool apply(F&& f) {
+        return apply_call(call(f));
+    }
+    bool apply_call(const call& f) {
+        ++operations;
         std::optional<world> scarce = starve(f);
         const bool done = attempt(w, f);
         feed(scarce, f);
@@ -176,6 +197,15 @@ protected:
             FUZZ_REQUIRE(twin->state_hash() == w.state_hash());
         }
         return done;
+    }
+    /// For what makes several calls, of which the last ones may be refused.
+    template <class F>
+    void apply_several(F&& f) {
+        ++operations;
+        quietly([&] { f(w); });
+        if (!twin) return;
+        quietly([&] { f(*twin); });
+        FUZZ_REQUIRE(twin->state_hash() == w.state_hash());
     }
     /// For calls that name something: what does not live is refused.
     template <class F>
@@ -232,9 +262,10 @@ protected:
         std::optional<world> behind;
         if (v.is_wild() && !twin) behind = w;
         const auto plainly = [&](world& on) { on.step(dt); };
-        std::optional<world> scarce = starve(plainly);
+        ++operations;
+        std::optional<world> scarce = starve(call(plainly));
         const bool done = step_one(w, dt, stepped::plainly);
-        feed(scarce, plainly);
+        feed(scarce, call(plainly));
         if (twin) FUZZ_REQUIRE(step_one(*twin, dt, twin_steps) == done);
         if (!done) {
             if (behind) twin.swap(behind);
@@ -253,6 +284,7 @@ protected:
         known.check(w);
     }
     void keep(moment& m) {
+        ++operations;
         m.image.save(access::state_of(w));
         m.copy = w;
         m.known = known;
@@ -263,6 +295,7 @@ protected:
     /// Goes back to a moment, by its copy or by its image; the double goes the other way.
     void go_back(const moment& m, bool by_image) {
         if (!m.copy) return;
+        ++operations;
         // A stranger with another past.
         twin.emplace(w);
         const auto restore = [&](world& on) { m.image.restore(access::data_of(on)); };
@@ -320,6 +353,8 @@ private:
         FUZZ_REQUIRE(twin->sleep_events().size() == w.sleep_events().size());
         FUZZ_REQUIRE(twin->wake_events().size() == w.wake_events().size());
         FUZZ_REQUIRE(twin->broken_joints().size() == w.broken_joints().size());
+        FUZZ_REQUIRE(twin->joint_limit_begin_events().size() == w.joint_limit_begin_events().size());
+        FUZZ_REQUIRE(twin->joint_limit_end_events().size() == w.joint_limit_end_events().size());
         for (std::uint32_t i = 0; i < w.contact_end_events().size(); ++i)
             FUZZ_REQUIRE(twin->contact_end_events()[i].shape_a == w.contact_end_events()[i].shape_a);
         check_contacts(*twin);

@@ -148,7 +148,7 @@ public:
     /// Calls f with a shape of a recipe that has these.
     template <class F>
     void shape(F&& f) {
-        switch (in_.below(5)) {
+        switch (in_.below(7)) {
             case 0: f(physics::ball<S, D>{positive(1)}); break;
             case 1: {
                 const S half = positive(1);
@@ -167,7 +167,8 @@ public:
                 f(ground);
                 break;
             }
-            default: f(rock().shape(share(0.25)));
+            case 4: f(rock().shape(share(0.25))); break;
+            default: with_parts(*this, f);
         }
     }
 

@@ -1,0 +1,11 @@
+// See world_cell.hpp.
+#include "world_cell.hpp"
+
+namespace {
+struct recipe : fuzz::cell<double, 3, physics::soft_step> {};
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+    static const fuzz::report at_end;
+    return fuzz::play_input<recipe>(bytes, size);
+}

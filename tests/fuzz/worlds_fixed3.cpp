@@ -1,0 +1,11 @@
+// See world_cell.hpp.
+#include "world_cell.hpp"
+
+namespace {
+struct recipe : fuzz::cell<physics::fixed32, 3, physics::sequential_impulse> {};
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+    static const fuzz::report at_end;
+    return fuzz::play_input<recipe>(bytes, size);
+}
