@@ -24,7 +24,7 @@ TERMINAL = sys.stdout.isatty()
 MOST_LINES = 20      # of what a failing unit or program says
 MOST_SECONDS = 600   # for one test program
 FUZZ_INPUTS = 3000   # of each fuzzer
-WORLD_INPUTS = 50    # of fuzzers of whole worlds, of which one takes half a second and is some 100 calls of a world
+WORLD_INPUTS = 42    # of fuzzers of whole worlds, of which one takes half a second to two and is some 100 calls of a world
 
 COUNTED = re.compile(r"^(\d+) passed, (\d+) failed$", re.MULTILINE)
 DOCTEST = re.compile(r"^\[doctest\] test cases: +\d+ \| +(\d+) passed \| +(\d+) failed", re.MULTILINE)
