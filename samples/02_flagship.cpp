@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cinttypes>
+#include <concepts>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -34,12 +35,14 @@ void run(samples::recording& film, const char* title, Build&& build) {
     using world = physics::world<recipe_of<S, D>>;
     using clock = std::chrono::steady_clock;
     const std::string name = std::string(title) + ", " + physics::scalar_traits<S>::name();
+    // Debug drawing takes as much space as the motion: one run has it.
+    constexpr bool draws = std::same_as<S, float>;
     samples::recorded_scene& scene =
-        film.add_scene({.title = title, .scalar = physics::scalar_traits<S>::name(), .dimension = D});
+        film.add_scene({.title = title, .scalar = physics::scalar_traits<S>::name(), .dimension = D, .drawing = draws});
 
     double deepest = 0, gap = 0, seconds = 0;
     std::vector<samples::held_points<world>> pins;
-    samples::motion_track<world> track;
+    samples::motion_track<world> track(draws);
     clock::time_point began{};
     const world last = scenes::flagship<world>(build, steps, [&](const world& w, int step) {
         if (step > 0) seconds += std::chrono::duration<double>(clock::now() - began).count();

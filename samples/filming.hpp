@@ -135,11 +135,49 @@ double largest_gap(const World& world, const std::vector<held_points<World>>& jo
     return largest;
 }
 
+/// What debug drawing streams of a world: its lines and points, and the colours of bodies by their numbers.
+template <class World>
+struct line_sink {
+    const std::map<std::string, int>& numbers;
+    std::vector<drawn_line> lines;
+    std::vector<std::pair<int, std::uint32_t>> tints;
+
+    void line(const typename World::vec& from, const typename World::vec& to, physics::debug_color color) {
+        drawn_line one{{}, {}, number_of(color), -1};
+        double longest = 0;
+        for (int i = 0; i < World::dimension; ++i) {
+            const auto k = static_cast<std::size_t>(i);
+            one.from[k] = static_cast<double>(from[i]);
+            one.to[k] = static_cast<double>(to[i]);
+            longest = std::max(longest, std::abs(one.to[k] - one.from[k]));
+        }
+        // The box of a halfspace has no end.
+        if (longest < 1000) lines.push_back(one);
+    }
+    void point(const typename World::vec& at, physics::debug_color color) { line(at, at, color); }
+    /// Comes after the lines of the body.
+    void text(const typename World::vec&, const char* name, physics::debug_color color) {
+        const int body = numbers.at(name);
+        tints.emplace_back(body, number_of(color));
+        for (; named < lines.size(); ++named) lines[named].body = body;
+    }
+
+    std::size_t named = 0;
+
+private:
+    static std::uint32_t number_of(physics::debug_color c) {
+        return static_cast<std::uint32_t>(c.red << 16 | c.green << 8 | c.blue);
+    }
+};
+
 /// The motion of a world whose bodies may come and go, until it is written to a scene.
 template <class World>
 class motion_track {
 public:
-    /// Stores where all bodies are, and their contacts.
+    /// With what debug drawing streams, or without.
+    explicit motion_track(bool draws) : draws_(draws) {}
+
+    /// Stores where all bodies are, their contacts, and what debug drawing streams.
     void add_frame(const World& world) {
         const auto n = [](auto x) { return static_cast<double>(x); };
         const auto depth = [&](const typename World::vec& v) {
@@ -162,6 +200,7 @@ public:
                 next.touches.push_back({n(p.position.x), n(p.position.y), depth(p.position), n(contact.normal.x),
                                         n(contact.normal.y), depth(contact.normal), n(p.normal_impulse)});
             }
+        if (draws_) add_drawing(world, next);
     }
     /// Writes it to a scene, with joints between bodies that were there.
     void write(recorded_scene& scene, const std::vector<held_points<World>>& joints) const {
@@ -180,6 +219,8 @@ public:
         for (const frame& one : frames_) {
             for (const auto& [number, at] : one.poses) scene.place(number, at);
             for (const touch& contact : one.touches) scene.add(contact);
+            for (const drawn_line& line : one.lines) scene.draw(line);
+            for (const auto& [number, colour] : one.tints) scene.tint(number, colour);
             scene.commit();
         }
     }
@@ -195,7 +236,30 @@ private:
     struct frame {
         std::vector<std::pair<int, pose>> poses;
         std::vector<touch> touches;
+        std::vector<drawn_line> lines;
+        std::vector<std::pair<int, std::uint32_t>> tints;
     };
+
+    /// Boxes, joints and velocities; and in place of outlines the colours of bodies, by islands of those that are awake
+    /// and by state of the others.
+    void add_drawing(const World& world, frame& next) {
+        std::map<std::string, int> numbers;
+        for (const physics::body_id id : world.bodies()) numbers[std::to_string(id.index)] = numbers_.at(id);
+        line_sink<World> drawn{numbers, {}, {}}, islands{numbers, {}, {}};
+        physics::debug_draw_options<typename World::scalar, World::dimension> with;
+        with.shapes = false;
+        with.numbers = with.boxes = with.velocities = true;
+        physics::debug_draw(world, drawn, with);
+        with.islands = true;
+        with.joints = with.boxes = with.velocities = false;
+        physics::debug_draw(world, islands, with);
+        next.lines = std::move(drawn.lines);
+        std::size_t i = 0;
+        for (const physics::body_id id : world.bodies()) {
+            const bool is_awake = world.type(id) == physics::body_type::dynamic_body && !world.is_asleep(id);
+            next.tints.push_back((is_awake ? islands : drawn).tints[i++]);
+        }
+    }
 
     static body body_of(const World& world, physics::body_id id, const pose& at) {
         const auto type = world.type(id);
@@ -213,6 +277,7 @@ private:
         return fresh;
     }
 
+    bool draws_;
     std::map<physics::body_id, int> numbers_;
     std::vector<body> bodies_;
     std::vector<frame> frames_;
@@ -230,9 +295,11 @@ public:
     void play(const char* title, World& world, const std::vector<held_points<World>>& joints, double seconds,
               Before&& before, After&& after) {
         using S = typename World::scalar;
-        scene_ = &page_.add_scene(
-            {.title = title, .scalar = physics::scalar_traits<S>::name(), .dimension = World::dimension});
-        motion_track<World> track;
+        scene_ = &page_.add_scene({.title = title,
+                                   .scalar = physics::scalar_traits<S>::name(),
+                                   .dimension = World::dimension,
+                                   .drawing = true});
+        motion_track<World> track(true);
         const int steps = static_cast<int>(60 * seconds);
         for (int i = 0; i <= steps; ++i) {
             if (scene_->due(i)) track.add_frame(world);

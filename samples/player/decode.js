@@ -116,6 +116,8 @@ const decode = (() => {
         const level = new Column(Int8Array);        // thirds of an octave
         const link = new Column(Int32Array);        // place of the same contact in the frame before, or -1
         let alive = [];
+        const drawing = raw.palette ? lines.store(raw, turned) : null;
+        const readLines = drawing && lines.reader(raw, input, plane, note);
 
         const readTouch = (contact, continued) => {
             const changed = !continued || input.get(flags, 2 + contact.moved);
@@ -185,6 +187,7 @@ const decode = (() => {
                 level.push(q[6]);
             }
             contactStart[frame + 1] = level.length;
+            if (drawing) drawing.add(readLines());
         }
         if ((check >>> 0) !== raw.check) throw new Error(`the recording of "${raw.title}, ${raw.scalar}" is damaged`);
 
@@ -195,7 +198,7 @@ const decode = (() => {
         // A joint is two bodies, and a point in the frame of each.
         const joints = raw.joints.map(([a, b, ...points]) => ({ a, b, at: points.slice(0, 3), to: points.slice(3) }));
         return {
-            bodies, joints, spans, slot, movers: movers.length, track, rest, frames, plane,
+            bodies, joints, spans, slot, movers: movers.length, track, rest, frames, plane, drawing,
             interval: raw.dt * raw.every,
             contacts: { start: contactStart, spot: spot.data, normal: normal.data, level: level.data, link: link.data },
         };

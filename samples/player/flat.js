@@ -12,7 +12,7 @@ const flat = (() => {
     }
 
     /// Draws one panel: { x, y, width, height } in pixels of the canvas, `ratio` of them a CSS pixel.
-    function draw(context, panel, ratio, { scene, poses, contacts, levels, extent, camera, colours }) {
+    function draw(context, panel, ratio, { scene, poses, contacts, levels, extent, camera, colours, drawing }) {
         const theme = paint.now();
         const scale = camera.scale * ratio;
         const X = x => panel.x + panel.width / 2 + (x - camera.x) * scale;
@@ -91,6 +91,7 @@ const flat = (() => {
             context.setLineDash([]);
         }
         joints(context, ratio, sample.joints(scene, poses), line, pixels, X, Y, theme);
+        paint.strokes(context, ratio, drawing, point => [X(point[0]), Y(point[1]), 1]);
         for (const contact of contacts) touch(context, ratio, contact, levels, extent, scale, X, Y, theme);
         context.restore();
         return drawn;

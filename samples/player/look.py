@@ -2,9 +2,9 @@
 """Looks at a page of recorded motion in a headless Chromium: python3 look.py PAGE.html [--out FOLDER]
 
 Opens the page from disk, asks window.player for its facts in every scene, unpacks all recordings, works the controls,
-and takes screenshots (light, dark, with contacts, side by side, on a phone; with WebGL and without), which must not be
-blank and must change where something moves. Exits with 1 if anything is wrong, and with 0 and a line that says so
-where there is no Chromium. Needs nothing but Python; CHROMIUM names another browser.
+and takes screenshots (light, dark, with contacts, with debug drawing, side by side, on a phone; with WebGL and
+without), which must not be blank and must change where something moves. Exits with 1 if anything is wrong, and with 0
+and a line that says so where there is no Chromium. Needs nothing but Python; CHROMIUM names another browser.
 """
 import argparse
 import base64
@@ -210,7 +210,7 @@ def facts_of_all_scenes(browser, page, report, most_bytes):
     report.check(size <= most_bytes, f"the page has {size} bytes, {most_bytes} are allowed")
     scenes = []
     for scene in range(count):
-        browser.go(f"scene={scene}&t=0.5&paused&contacts")
+        browser.go(f"scene={scene}&t=0.5&paused&contacts&debug")
         said = browser.run("({...player, pose: player.pose(0)})")
         name = f"scene {scene} ({said['title']}, {said['scalar']})"
         report.check(said["scene"] == scene and not said["playing"] and said["contactsShown"], f"{name}: as asked")
@@ -227,6 +227,14 @@ def facts_of_all_scenes(browser, page, report, most_bytes):
         report.check(said["bodies"] == len(bodies), f"{name}: drew {said['bodies']} bodies of {len(bodies)}")
         report.check(said["joints"] == joints, f"{name}: drew {said['joints']} joints of {joints}")
         report.check(all(isinstance(value, (int, float)) for value in said["pose"]), f"{name}: pose {said['pose']}")
+        if "palette" in stored:
+            unpacked = browser.run("decode.scene(JSON.parse(document.getElementById('recording').textContent)"
+                                   f".scenes[{scene}]).drawing.frames.map(frame => frame.former.length)")
+            report.check(sum(unpacked) == stored["lines"] > 0,
+                         f"{name}: {sum(unpacked)} lines unpack of {stored['lines']}")
+            report.check(said["debugShown"] and (said["lines"] == unpacked[frame] or said["frame"] % 1),
+                         f"{name}: drew {said['lines']} lines of {unpacked[frame]}")
+            said["drawing"] = True
         scenes.append(said)
     return scenes
 
@@ -303,6 +311,15 @@ def pictures(browser, page, report, scenes, first, out, suffix):
                 report.check(coloured(later, 60) > 0.0001, f"{name}, {shade}: contacts are seen")
             bright = sum(sum(pixel) for pixel in start) / (3 * len(start))
             report.check((bright < 110) == dark, f"{name}, {shade}: the mean brightness is {bright:.0f}")
+        if said.get("drawing"):
+            browser.window(1280, 800)
+            views = []
+            for state in ("", "&debug"):
+                browser.open(page, f"scene={scene}&t={half}&paused{near}{wants}{state}")
+                views.append(browser.shot(out / f"{name}-debug.png" if state else None))
+            report.check(changed(*views) > 0.002, f"{name}: debug drawing is seen")
+            browser.key("b")
+            report.check(changed(views[0], browser.shot()) < 0.001, f"{name}: B takes debug drawing away")
         runs = [one for one in scenes if one["title"] == said["title"] and one["dimension"] == said["dimension"]]
         if len(runs) > 1:
             browser.window(1280, 800)
@@ -355,7 +372,9 @@ def main():
                         else:
                             report.check(browser.run("player.renderer") == "webgl", "WebGL draws where there is WebGL")
                 pictures(browser, page, report, scenes, first, out, suffix)
-                report.check(browser.run("player.errors") == [], f"errors on the page: {browser.run('player.errors')}")
+                # Without a scene in space the second browser has opened no page.
+                errors = browser.run("window.player ? player.errors : []")
+                report.check(errors == [], f"errors on the page: {errors}")
                 report.check(not browser.errors, f"errors in scripts: {browser.errors}")
                 outside = [url for url in browser.requests if not url.startswith(("file:", "data:", "about:"))]
                 report.check(not outside, f"the page asks the network for {outside}")

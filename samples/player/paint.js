@@ -30,11 +30,12 @@ const paint = (() => {
         mix = Math.imul(mix ^ mix >>> 15, 0x85ebca6b) >>> 0;
         return (mix >>> 8) % BODIES;
     }
-    /// A colour for every body; pale when contacts are to stand out.
-    function bodies(scene, pale) {
+    /// A colour for every body, its own or the one told; pale when contacts are to stand out.
+    function bodies(scene, pale, told) {
         const { fixed, kinematic, bodies: palette, pale: paper } = now();
         return scene.bodies.map(({ motion }, number) => {
-            const colour = motion === 0 ? fixed : motion === 1 ? kinematic : palette[tint(number)];
+            const own = motion === 0 ? fixed : motion === 1 ? kinematic : palette[tint(number)];
+            const colour = told ? told[number] : own;
             return pale ? mix(colour, paper, 0.66) : colour;
         });
     }
@@ -75,6 +76,30 @@ const paint = (() => {
         }
     }
 
+    /// Lines and dots of debug drawing on a plain canvas, a path for each colour; project gives pixels, and the depth.
+    function strokes(context, ratio, drawing, project) {
+        const paths = new Map();
+        for (const { ends, colour } of drawing) {
+            const from = project(ends.subarray(0, 3)), to = project(ends.subarray(3, 6));
+            if (from[2] < 0.1 || to[2] < 0.1) continue;
+            if (!paths.has(colour)) paths.set(colour, [new Path2D(), new Path2D()]);
+            const [stroke, dots] = paths.get(colour), r = 2.2 * ratio;
+            if (lines.isDot(ends)) {
+                dots.moveTo(from[0] + r, from[1]);
+                dots.arc(from[0], from[1], r, 0, 2 * Math.PI);
+            } else {
+                stroke.moveTo(from[0], from[1]);
+                stroke.lineTo(to[0], to[1]);
+            }
+        }
+        context.lineWidth = 1.2 * ratio;
+        for (const [colour, [stroke, dots]] of paths) {
+            context.strokeStyle = context.fillStyle = css(colour);
+            context.stroke(stroke);
+            context.fill(dots);
+        }
+    }
+
     /// The matrix from the world to clip space, by columns.
     function matrix(camera, aspect, near, far) {
         const { right, up, back, eye } = axes(camera);
@@ -93,5 +118,5 @@ const paint = (() => {
         return out;
     }
 
-    return { read, now, bodies, heat, css, mix, dot, cross, unit, axes, fit, matrix, SUN, TAN };
+    return { read, now, bodies, heat, css, mix, dot, cross, unit, axes, fit, strokes, matrix, SUN, TAN };
 })();

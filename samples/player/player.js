@@ -1,5 +1,5 @@
 // The player: what is shown, the clock, the controls, and the facts that a check may read (window.player).
-// The address may say what to show: #scene=1&t=2.5&paused&contacts&compare&speed=0.5&yaw=1&pitch=0.4&zoom=2
+// The address may say what to show: #scene=1&t=2.5&paused&contacts&debug&compare&speed=0.5&yaw=1&pitch=0.4&zoom=2
 // &renderer=canvas; scenes count from 0 in the order of the table.
 "use strict";
 
@@ -14,15 +14,16 @@
         if (!group) groups.push(group = { title: raw.title, dimension: raw.dimension, runs: [] });
         group.runs.push(index);
     }
+    const hasDrawing = scenes.some(scene => scene.palette);
     const groupOf = index => groups.find(group => group.runs.includes(index));
 
     const asked = new URLSearchParams(location.hash.slice(1));
     const stage = makeStage($("stage"), asked, draw);
     const state = {
-        index: 0, compare: false, time: 0, playing: false, speed: 1, loop: true, contacts: false,
+        index: 0, compare: false, time: 0, playing: false, speed: 1, loop: true, contacts: false, debug: false,
         last: 0, pace: 0,       // the time of the last frame, and seconds a frame of late
     };
-    let drawn = { bodies: 0, joints: 0, touches: 0, time: -1 };
+    let drawn = { bodies: 0, joints: 0, touches: 0, strokes: 0, time: -1 };
 
     // ---- Runs, unpacked when they are first shown
 
@@ -177,6 +178,7 @@
         $("speed").value = String(state.speed);
         $("loop").setAttribute("aria-pressed", state.loop);
         $("contacts").setAttribute("aria-pressed", state.contacts);
+        $("debug").setAttribute("aria-pressed", state.debug);
         $("legend").hidden = !state.contacts;
         if (state.contacts) {
             const [low, high] = levels();
@@ -187,7 +189,8 @@
     }
 
     function draw() {
-        if (scenes.length) drawn = { ...stage.draw(state.time, state.contacts, levels()), time: state.time };
+        if (scenes.length)
+            drawn = { ...stage.draw(state.time, state.contacts, levels(), state.debug), time: state.time };
     }
     function tick(now) {
         const passed = Math.min(Math.max((now - state.last) / 1000, 0), 0.25);
@@ -219,14 +222,15 @@
         $("forward").addEventListener("click", () => step(1));
         $("loop").addEventListener("click", () => toggle("loop"));
         $("contacts").addEventListener("click", () => toggle("contacts"));
+        $("debug").addEventListener("click", () => toggle("debug"));
         $("fit").addEventListener("click", () => stage.fit());
         $("speed").addEventListener("change", () => setSpeed(Number($("speed").value)));
         $("scrub").addEventListener("input", () => seek(Number($("scrub").value)));
         const keys = {
             " ": () => play(!state.playing), ArrowLeft: event => step(event.shiftKey ? -10 : -1),
             ArrowRight: event => step(event.shiftKey ? 10 : 1), ArrowUp: () => faster(1), ArrowDown: () => faster(-1),
-            Home: () => seek(0), End: () => seek(duration()), c: () => toggle("contacts"), l: () => toggle("loop"),
-            f: () => stage.fit(),
+            Home: () => seek(0), End: () => seek(duration()), c: () => toggle("contacts"), b: () => toggle("debug"),
+            l: () => toggle("loop"), f: () => stage.fit(),
             "+": () => stage.zoom(1.15), "=": () => stage.zoom(1.15), "-": () => stage.zoom(1 / 1.15),
             a: () => stage.turn(-18, 0), d: () => stage.turn(18, 0),
             w: () => stage.turn(0, 18), s: () => stage.turn(0, -18),
@@ -240,7 +244,8 @@
             event.preventDefault();
             action(event);
         });
-        const hints = [["space", "play"], ["← →", "frame"], ["↑ ↓", "speed"], ["C", "contacts"], ["F", "fit"],
+        const hints = [["space", "play"], ["← →", "frame"], ["↑ ↓", "speed"], ["C", "contacts"],
+                       ...hasDrawing ? [["B", "debug drawing"]] : [], ["F", "fit"],
                        ["drag, wheel, WASD, + −", "view"]];
         for (const [key, text] of hints) {
             const hint = document.createElement("span"), name = document.createElement("kbd");
@@ -258,6 +263,7 @@
         const speed = [...$("speed").options].find(option => option.value === asked.get("speed"));
         if (speed) state.speed = Number(speed.value);
         state.contacts = asked.has("contacts");
+        state.debug = asked.has("debug");
         state.playing = !asked.has("paused") && !matchMedia("(prefers-reduced-motion: reduce)").matches;
         stage.forgetCameras();
         select(scenes[index] ? index : 0, asked.has("compare"));
@@ -272,8 +278,9 @@
         duration: () => scenes.length ? duration() : 0,
         playing: () => state.playing, speed: () => state.speed, loop: () => state.loop, compare: () => state.compare,
         contactsShown: () => state.contacts,
+        debugShown: () => state.debug,
         drawnTime: () => drawn.time, bodies: () => drawn.bodies, joints: () => drawn.joints,
-        contacts: () => drawn.touches,
+        contacts: () => drawn.touches, lines: () => drawn.strokes,
         renderer: () => stage.rendererName(), pageBytes: () => recording.bytes, errors: () => [...troubles],
     };
     window.player = Object.freeze(Object.defineProperties({
@@ -286,6 +293,7 @@
     $("title").textContent = recording.title;
     $("subtitle").textContent = recording.subtitle;
     $("size").textContent = recording.bytes ? `One page, ${bytes(recording.bytes)}` : "";
+    $("debug").hidden = !hasDrawing;
     controls();
     if (!scenes.length) return;
     table();

@@ -1,6 +1,7 @@
 // One recorded run: bodies, their shapes and joints, and at every recorded frame their poses and contacts.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -13,61 +14,10 @@
 #include <utility>
 #include <vector>
 
-#include "coder.hpp"
+#include "lines.hpp"
+#include "parts.hpp"
 
 namespace samples {
-
-/// Where something is: metres, and a unit quaternion. Make it with `flat` or `solid`.
-struct pose {
-    double x = 0, y = 0, z = 0;
-    double qx = 0, qy = 0, qz = 0, qw = 1;
-};
-/// A pose in the plane, turned counter-clockwise by the angle in radians.
-inline pose flat(double x, double y, double angle = 0) {
-    return {x, y, 0, 0, 0, std::sin(angle / 2), std::cos(angle / 2)};
-}
-/// A pose in the plane, its rotation given as a cosine and a sine.
-inline pose flat(double x, double y, double cosine, double sine) { return flat(x, y, std::atan2(sine, cosine)); }
-/// A pose in space; the quaternion has length one, its real part comes last.
-inline pose solid(double x, double y, double z, double qx = 0, double qy = 0, double qz = 0, double qw = 1) {
-    return {x, y, z, qx, qy, qz, qw};
-}
-
-/// A shape to draw, placed in its body. Make it with one of the functions below.
-struct shape {
-    std::string_view form;
-    std::vector<double> size;
-    pose local;
-    bool hollow = false;  ///< Drawn as an outline, as sensors are.
-};
-/// A ball, or in the plane a disc, by its radius.
-inline shape sphere(double radius, pose local = {}) { return {"sphere", {radius}, local, false}; }
-/// A capsule around the segment from -half_length to +half_length on the local x axis.
-inline shape capsule(double radius, double half_length, pose local = {}) {
-    return {"capsule", {radius, half_length}, local, false};
-}
-/// A box by its half extents; leave out the third in the plane.
-inline shape box(double hx, double hy, double hz = 0, pose local = {}) { return {"box", {hx, hy, hz}, local, false}; }
-/// All points with normal . point <= offset; the normal has length one, nz is 0 in the plane.
-inline shape halfspace(double nx, double ny, double nz, double offset, pose local = {}) {
-    return {"halfspace", {nx, ny, nz, offset}, local, false};
-}
-/// In the plane, x and y of points in a row: a filled outline, counter-clockwise, whose holes are clockwise ones.
-inline shape polygon(std::vector<double> points, pose local = {}) {
-    return {"polygon", std::move(points), local, false};
-}
-/// In the plane, x and y of points that lines join.
-inline shape line(std::vector<double> points, pose local = {}) { return {"line", std::move(points), local, false}; }
-
-/// How a body moves. Static bodies are stored once; the others at every recorded frame.
-enum class motion : std::uint8_t { fixed, kinematic, dynamic };
-
-/// A touching point: metres, a unit normal (either direction), and the impulse in N s.
-struct touch {
-    double x = 0, y = 0, z = 0;
-    double nx = 0, ny = 0, nz = 0;
-    double impulse = 0;
-};
 
 /// What a scene is, told before its first frame.
 struct scene_settings {
@@ -78,6 +28,7 @@ struct scene_settings {
     int every = 2;          ///< Steps from one recorded frame to the next; the page interpolates.
     double resolution = 0;  ///< Metres, the grid of stored positions; 0: about 1/1000 of the smallest moving shape.
     char up = 'y';          ///< The axis that points up in 3D: 'y' or 'z'.
+    bool drawing = false;   ///< Lines of debug drawing are stored too.
 };
 
 /// One recorded run. Add its bodies and joints, then for every recorded state: `place` all bodies that may have moved,
@@ -160,6 +111,22 @@ public:
         touches_.push_back(contact);
     }
 
+    /// Whether lines and tints are stored.
+    [[nodiscard]] bool draws() const { return settings_.drawing; }
+    /// Adds a line of debug drawing to the frame to come.
+    void draw(const drawn_line& line) {
+        if (!settings_.drawing) throw std::logic_error("samples: draw: the scene stores no drawing");
+        for (const auto& end : {line.from, line.to})
+            for (const double value : end)
+                if (!std::isfinite(value)) refuse("line", value, "must be finite");
+        static_cast<void>(bodies_.at(static_cast<std::size_t>(std::max(line.body, 0))));
+        drawn_.push_back(line);
+    }
+    /// Gives a body a colour in debug drawing, 0xrrggbb, from the frame to come on.
+    void tint(int body_number, std::uint32_t colour) {
+        bodies_.at(static_cast<std::size_t>(body_number)).tint = colour;
+    }
+
     /// Stores the frame.
     void commit() {
         if (frames_ == 0) choose_grid();
@@ -168,6 +135,8 @@ public:
         }
         put_touches();
         touches_.clear();
+        if (settings_.drawing) put_lines();
+        drawn_.clear();
         ++frames_;
     }
 
@@ -198,16 +167,21 @@ public:
         for (std::size_t i = 0; i < joint_texts_.size(); ++i) text += (i ? "," : "") + joint_texts_[i];
         text += "],\"spans\":[";
         for (std::size_t i = 0; i < span_texts_.size(); ++i) text += (i ? "," : "") + span_texts_[i];
+        if (settings_.drawing)
+            text += "],\"lines\":" + std::to_string(lines_.total()) + ",\"palette\":[" + lines_.palette();
         return text + "],\"data\":\"" + packed_ + "\"}";
     }
 
 private:
     static constexpr std::size_t most_channels = 7;
+    /// Steps of the grid from one place of a line to the next.
+    static constexpr double line_steps = 16;
     using quanta = std::array<std::int32_t, most_channels>;
 
     struct body {
         pose at;
         int kind = 0;
+        std::uint32_t tint = 0x808080;
         bool moves = false, moved = false;
         quanta now{}, before{}, size{};
     };
@@ -350,6 +324,19 @@ private:
         stored_ = std::move(now);
     }
 
+    void put_lines() {
+        const auto noting = [&](std::int32_t value) { note(value); };
+        std::vector<std::uint32_t> tints;
+        for (const body& one : bodies_) tints.push_back(one.tint);
+        lines_.put_tints(out_, tints, noting);
+        std::vector<std::array<double, 3>> places;
+        for (const body& one : bodies_)
+            places.push_back(
+                {one.now[0] * grid_, one.now[1] * grid_, settings_.dimension == 3 ? one.now[2] * grid_ : 0});
+        const auto round = [&](double length) { return rounded(length, line_steps * grid_); };
+        lines_.put(out_, drawn_, places, smallest_, round, noting);
+    }
+
     void put_touch(stored_touch& contact, const quanta& next, bool continued) {
         const bool moved = !continued || next != contact.now || contact.change != quanta{};
         if (continued) out_.put(moved, touch_moved_[contact.moved]);
@@ -373,6 +360,7 @@ private:
     std::vector<std::string> kind_texts_, joint_texts_, span_texts_;
     std::vector<body> bodies_;
     std::vector<touch> touches_;
+    std::vector<drawn_line> drawn_;
     std::vector<stored_touch> stored_;
     double smallest_ = 1, grid_ = 0;
     int frames_ = 0;
@@ -381,6 +369,7 @@ private:
     std::array<detail::number_model, 22 * 8> models_;
     std::array<detail::bit_writer::chance, 2> moved_ = {32768, 32768}, touch_moved_ = {32768, 32768};
     detail::bit_writer::chance alive_ = 32768;
+    detail::line_coder lines_{settings_.dimension == 2};
     std::string packed_;
 };
 

@@ -136,7 +136,7 @@ const solid = (() => {
         }
 
         /// Draws one panel: { x, y, width, height } in pixels from the upper left.
-        function draw(panel, ratio, { scene, poses, contacts, levels, extent, camera, colours }) {
+        function draw(panel, ratio, { scene, poses, contacts, levels, extent, camera, colours, drawing }) {
             const theme = paint.now();
             const middle = extent.low.map((value, k) => (value + extent.high[k]) / 2);
             const radius = Math.max(Math.hypot(...extent.high.map((value, k) => value - extent.low[k])) / 2, 1);
@@ -212,6 +212,7 @@ const solid = (() => {
             gl.blendFunc(gl.ONE_MINUS_DST_ALPHA, gl.ONE);      // behind what is there
             gl.depthMask(false);
             drawMesh(meshes[2]);
+            if (drawing.length) drawStrokes(panel, ratio, view, drawing, theme);
             if (contacts.length) drawTouches(panel, ratio, view, contacts, levels, extent, theme, camera);
             gl.depthMask(true);
             return seen.size;
@@ -228,6 +229,20 @@ const solid = (() => {
                           contact[0] + contact[3] * length, contact[1] + contact[4] * length,
                           contact[2] + contact[5] * length, radius * 0.75, ...colour], i * 11);
             });
+            drawMarks(panel, view, data, [1, 0], theme);
+        }
+        /// Lines and dots of debug drawing.
+        function drawStrokes(panel, ratio, view, drawing, theme) {
+            for (const dots of [false, true]) {
+                const list = drawing.filter(({ ends }) => lines.isDot(ends) === dots);
+                const data = new Float32Array(list.length * 11);
+                list.forEach(({ ends: [x, y, z, a, b, c], colour }, i) =>
+                    data.set([x, y, z, 2.2 * ratio, a, b, c, 1.2 * ratio, ...colour], i * 11));
+                if (list.length) drawMarks(panel, view, data, [dots ? 0 : 1], theme);
+            }
+        }
+        /// Strokes (1) and discs (0) at their beginnings, eleven numbers each.
+        function drawMarks(panel, view, data, kinds, theme) {
             upload(touchInstances, data);
             const u = touchProgram.uniforms;
             gl.useProgram(touchProgram.made);
@@ -240,9 +255,9 @@ const solid = (() => {
             for (const [test, cover] of [[gl.GREATER, 0.5], [gl.LEQUAL, 1]]) {
                 gl.depthFunc(test);
                 gl.uniform1f(u.cover, cover);
-                for (const stroke of [1, 0]) {
+                for (const stroke of kinds) {
                     gl.uniform1f(u.stroke, stroke);
-                    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, contacts.length);
+                    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, data.length / 11);
                 }
             }
         }

@@ -182,8 +182,8 @@ function makeStage(element, asked, redraw) {
         }, { passive: false });
     }
 
-    /// Draws the runs at a time; gives the number of bodies, joints and contacts that it drew.
-    function draw(time, withContacts, levels) {
+    /// Draws the runs at a time; gives the number of bodies, joints, contacts and lines that it drew.
+    function draw(time, withContacts, levels, withDrawing) {
         dirty = false;
         const space = group.dimension === 3, view = space ? openSolid() : null;
         const onSolid = space && view.name === "webgl";
@@ -191,13 +191,15 @@ function makeStage(element, asked, redraw) {
         flatCanvas.hidden = onSolid;
         if (space) view.begin();
         else flatContext.clearRect(0, 0, flatCanvas.width, flatCanvas.height);
-        let bodies = 0, joints = 0, touches = 0;
+        let bodies = 0, joints = 0, touches = 0, strokes = 0;
         for (const panel of panels) {
             const { scene, extent, poses } = panel.run;
             const contacts = withContacts ? sample.contacts(scene, time) : [];
+            const placed = sample.poses(scene, time, poses), isDrawn = withDrawing && scene.drawing !== null;
+            const drawing = isDrawn ? lines.at(scene, time, placed) : [];
             const what = {
-                scene, poses: sample.poses(scene, time, poses), contacts, levels, extent, camera: camera(),
-                colours: paint.bodies(scene, withContacts),
+                scene, poses: placed, contacts, levels, extent, camera: camera(), drawing,
+                colours: paint.bodies(scene, withContacts, isDrawn ? lines.tints(scene, time) : null),
             };
             const [x, y, right, low] = [panel.x, panel.y, panel.x + panel.width, panel.y + panel.height]
                 .map(value => Math.round(value * ratio));
@@ -205,8 +207,9 @@ function makeStage(element, asked, redraw) {
             bodies += space ? view.draw(pixels, ratio, what) : flat.draw(flatContext, pixels, ratio, what);
             joints += scene.joints.length;
             touches += contacts.length;
+            strokes += drawing.length;
         }
-        return { bodies, joints, touches };
+        return { bodies, joints, touches, strokes };
     }
 
     // Resizing clears a canvas: draw before the browser shows it.

@@ -16,7 +16,7 @@ const wire = (() => {
         };
     }
 
-    function draw(context, panel, ratio, { scene, poses, contacts, levels, extent, camera, colours }) {
+    function draw(context, panel, ratio, { scene, poses, contacts, levels, extent, camera, colours, drawing }) {
         const theme = paint.now();
         const { right, up, back, eye } = paint.axes(camera);
         const focal = panel.height / (2 * paint.TAN), cx = panel.x + panel.width / 2, cy = panel.y + panel.height / 2;
@@ -63,6 +63,7 @@ const wire = (() => {
         faces.sort((a, b) => b.depth - a.depth);
         context.lineWidth = 1.1 * ratio;
         for (const face of faces) face.paint(context);
+        paint.strokes(context, ratio, drawing, project);
         for (const contact of contacts) touch(context, project, ratio, contact, levels, extent, theme);
         context.restore();
         return seen.size;
