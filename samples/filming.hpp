@@ -295,11 +295,13 @@ public:
     void play(const char* title, World& world, const std::vector<held_points<World>>& joints, double seconds,
               Before&& before, After&& after) {
         using S = typename World::scalar;
+        // Of more it would take as much space as the motion; a joint has five lines.
+        const bool draws = world.body_count() + 2 * world.joint_count() <= 80;
         scene_ = &page_.add_scene({.title = title,
                                    .scalar = physics::scalar_traits<S>::name(),
                                    .dimension = World::dimension,
-                                   .drawing = true});
-        motion_track<World> track(true);
+                                   .drawing = draws});
+        motion_track<World> track(draws);
         const int steps = static_cast<int>(60 * seconds);
         for (int i = 0; i <= steps; ++i) {
             if (scene_->due(i)) track.add_frame(world);

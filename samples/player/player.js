@@ -178,6 +178,7 @@
         $("speed").value = String(state.speed);
         $("loop").setAttribute("aria-pressed", state.loop);
         $("contacts").setAttribute("aria-pressed", state.contacts);
+        $("debug").disabled = !shown().some(index => scenes[index].palette);
         $("debug").setAttribute("aria-pressed", state.debug);
         $("legend").hidden = !state.contacts;
         if (state.contacts) {
