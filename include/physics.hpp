@@ -373,6 +373,7 @@
 #include "physics/kit/buoyancy.hpp"
 #include "physics/kit/character.hpp"
 #include "physics/kit/debug_draw.hpp"
+#include "physics/kit/debug_draw_options.hpp"
 #include "physics/kit/fields.hpp"
 
 // Threads: apart, as <thread> and <atomic> take longer to compile than all of the above.

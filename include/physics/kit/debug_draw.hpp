@@ -1,52 +1,10 @@
-// Debug drawing: what a world consists of, as points, lines and text for a renderer of the user's.
+// Debug drawing: what a world consists of, as points, lines, polygons and text for a renderer of the user's.
 #pragma once
 
+#include "physics/kit/debug_draw_options.hpp"
 #include "physics/world/world.hpp"
 
 PHYSICS_HPP_BEGIN
-
-/// What is drawn is coloured so.
-struct debug_color {
-    std::uint8_t red = 255, green = 255, blue = 255, alpha = 255;
-    friend bool operator==(debug_color, debug_color) = default;
-};
-
-/// What is drawn, and how.
-template <class S, int D>
-struct debug_draw_options {
-    /// Outlines of shapes, coloured by what their bodies do.
-    bool shapes = true;
-    /// Points that touch, their normals, and their impulses of the last step, so long for 1 N s (m).
-    bool contacts = false;
-    S impulse_scale = S(0.1);
-    /// From the centres of both bodies to where the joint acts.
-    bool joints = true;
-    /// Boxes of shapes, and of the nodes of the broadphase's tree, where it has one.
-    bool boxes = false;
-    bool tree = false;
-    /// Dynamic bodies have a colour for each island, awake or asleep.
-    bool islands = false;
-    /// Centres of mass and axes of bodies; their velocities, so long for 1 m/s (m).
-    bool frames = false;
-    bool velocities = false;
-    S velocity_scale = S(0.1);
-    /// The numbers of bodies, where the renderer has text.
-    bool numbers = false;
-    /// Only what reaches into this box is drawn (m).
-    aabb<S, D> view = everything();
-    /// Into how many sides circles are cut.
-    int sides = 24;
-
-    debug_color of_static{128, 128, 128}, of_kinematic{64, 128, 255}, of_awake{255, 176, 64}, of_asleep{112, 96, 80},
-        of_disabled{64, 64, 64}, of_sensor{96, 208, 96}, of_contact{255, 64, 64}, of_normal{255, 224, 64},
-        of_joint{208, 96, 208}, of_box{96, 96, 160}, of_tree{72, 72, 104}, of_velocity{96, 224, 224};
-
-private:
-    static constexpr aabb<S, D> everything() {
-        const S maximum = scalar_traits<S>::max();
-        return {vec<S, D>::filled(-maximum), vec<S, D>::filled(maximum)};
-    }
-};
 
 namespace detail {
 
@@ -82,6 +40,9 @@ public:
 private:
     using vec = typename World::vec;
     using joint_list = typename World::joint_list;
+    static constexpr bool has_polygons = requires(Renderer & to, const vec* corners, debug_color color) {
+        to.polygon(corners, std::uint32_t{}, color);
+    };
 
     [[nodiscard]] bool is_seen(const aabb<S, D>& box) const { return overlap(box, with_.view); }
     [[nodiscard]] debug_color color_of(body_id b) const {
@@ -129,6 +90,19 @@ private:
         if constexpr (requires { broadphase.each_node(draw_node); }) broadphase.each_node(draw_node);
     }
     void line(const point<D>& a, const point<D>& b) { to_.line(from_point<S>(a), from_point<S>(b), color_); }
+    /// Adds a corner to the next polygon, where the renderer has such.
+    void corner(const point<D>& at) {
+        if constexpr (has_polygons) corners_.push_back(from_point<S>(at));
+    }
+    /// Fills what the corners enclose, by either order.
+    void fill(bool reversed = false) {
+        if constexpr (has_polygons) {
+            const std::uint32_t n = corners_.size();
+            for (std::uint32_t i = 0; reversed && i < n / 2; ++i) std::swap(corners_[i], corners_[n - 1 - i]);
+            to_.polygon(static_cast<const vec*>(corners_.begin()), n, color_);
+            corners_.clear();
+        }
+    }
 
     void draw_body(body_id b) {
         const debug_color color = color_of(b);
@@ -217,9 +191,12 @@ private:
                 return line(place(c.corner[0]), place(c.corner[0]) + axes.column[0] * c.radius);
             case core_kind::segment: return draw_capsule(place(c.corner[0]), place(c.corner[1]), c.radius);
             case core_kind::triangle:
-                for (int i = 0; i < 3; ++i) line(place(c.corner[i]), place(c.corner[(i + 1) % 3]));
-                return;
-            case core_kind::box: return box_lines(c.corner[0] + point<D>::filled(c.radius), axes, at);
+                for (int i = 0; i < 3; ++i) {
+                    line(place(c.corner[i]), place(c.corner[(i + 1) % 3]));
+                    corner(place(c.corner[i]));
+                }
+                return fill();
+            case core_kind::box: return draw_box(c.corner[0], c.radius, axes, at);
             case core_kind::disc: return draw_frustum(c, axes, at);
             case core_kind::hull_of_floats: return draw_hull(*static_cast<const hull_data<float, D>*>(c.data), place);
             case core_kind::hull_of_doubles: return draw_hull(*static_cast<const hull_data<double, D>*>(c.data), place);
@@ -231,14 +208,23 @@ private:
         for (int i = 0; i < (D == 2 ? 1 : 3); ++i)
             circle(middle, axes.column[(i + 1) % D] * radius, axes.column[(i + 2) % D] * (D == 2 ? -radius : radius));
     }
-    void circle(const point<D>& middle, const point<D>& x, const point<D>& y) { arc(middle, x, y, with_.sides); }
-    /// From x towards y, by so many of the sides of a circle.
-    void arc(const point<D>& middle, const point<D>& x, const point<D>& y, int sides) {
+    void circle(const point<D>& middle, const point<D>& x, const point<D>& y) {
+        arc(middle, x, y, 4);
+        if constexpr (D == 2 && has_polygons) {
+            corners_.pop_back();
+            fill();
+        }
+    }
+    /// From x towards y, so many quarters of a circle; in 2D its ends become corners.
+    void arc(const point<D>& middle, const point<D>& x, const point<D>& y, int quarters) {
         point<D> last = middle + x;
+        if (D == 2) corner(last);
+        const int share = with_.sides * quarters / 4, sides = share > 0 ? share : 1;
         for (int i = 1; i <= sides; ++i) {
-            const auto [s, c] = sine_cosine(2 * pi<double> * i / with_.sides);
+            const auto [s, c] = sine_cosine(pi<double> / 2 * quarters * i / sides);
             const point<D> next = middle + x * c + y * s;
             line(last, next);
+            if (D == 2) corner(next);
             last = next;
         }
     }
@@ -248,12 +234,59 @@ private:
         point<D> sides[] = {perpendicular(normalized(out)) * radius, {}};
         if constexpr (D == 3) sides[1] = cross(normalized(out), sides[0]);
         for (int i = 0; i < D - 1; ++i) {
-            arc(from, -sides[i], -out, with_.sides / 2);
-            arc(to, sides[i], out, with_.sides / 2);
+            arc(from, -sides[i], -out, 2);
+            arc(to, sides[i], out, 2);
             for (const double s : {1.0, -1.0}) line(from + sides[i] * s, to + sides[i] * s);
         }
         if constexpr (D == 3)
             for (const auto& end : {from, to}) circle(end, sides[0], sides[1]);
+        else fill();
+    }
+    void draw_box(const point<D>& half, double radius, const mat<double, D>& axes, const point<D>& at) {
+        const auto place = [&](const point<D>& p) { return axes * p + at; };
+        if (!(radius > 0)) box_lines(half, axes, at);
+        if constexpr (D == 2) {
+            // Counter-clockwise; the sides between the corners are as round as they are.
+            for (int i = 0; i < 4; ++i) {
+                const auto turned = [&](double x, double y) {
+                    return i == 0   ? point<D>{x, y}
+                           : i == 1 ? point<D>{-y, x}
+                           : i == 2 ? point<D>{-x, -y}
+                                    : point<D>{y, -x};
+                };
+                const point<D> x = turned(radius, 0), y = turned(0, radius), out = turned(1, 1), next = turned(-1, 1);
+                const point<D> middle{out.x * half.x, out.y * half.y}, after{next.x * half.x, next.y * half.y};
+                if (!(radius > 0)) {
+                    corner(place(middle));
+                    continue;
+                }
+                arc(place(middle), axes * x, axes * y, 1);
+                line(place(middle + y), place(after + y));
+            }
+            fill();
+        } else {
+            for (int face = 0; face < 6; ++face) {
+                const int axis = face / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+                const double side = face % 2 == 0 ? -1 : 1;
+                point<D> p[4];
+                for (int i = 0; i < 4; ++i) {
+                    p[i][axis] = side * (half[axis] + radius);
+                    p[i][u] = i == 0 || i == 3 ? -half[u] : half[u];
+                    p[i][v] = i < 2 ? -half[v] : half[v];
+                    corner(place(p[i]));
+                }
+                fill(face % 2 == 0);
+                for (int i = 0; i < 4 && radius > 0; ++i) {
+                    line(place(p[i]), place(p[(i + 1) % 4]));
+                    // From this face to the next one about each of its corners.
+                    point<D> x, y, middle = p[i];
+                    x[axis] = side * radius;
+                    y[u] = p[i][u] < 0 ? -radius : radius;
+                    middle[axis] = side * half[axis];
+                    arc(place(middle), axes * x, axes * y, 1);
+                }
+            }
+        }
     }
     void box_lines(const point<D>& half, const mat<double, D>& axes, const point<D>& at) {
         for (int axis = 0; axis < D; ++axis)
@@ -286,7 +319,9 @@ private:
                                     b = hull.face_vertices()[first + (i + 1 < count ? i + 1 : 0)];
                 // Of both faces at an edge one draws it; in 2D a face is an edge.
                 if (D == 2 ? i == 0 : a < b) line(place(hull.exact_vertex(a)), place(hull.exact_vertex(b)));
+                if (D == 3 || i == 0) corner(place(hull.exact_vertex(a)));
             }
+            if (D == 3 || f + 1 == hull.face_count) fill();
         }
     }
     /// Its outlines as seen along its axes.
@@ -300,8 +335,10 @@ private:
                 d[(axis + 2) % D] = s;
                 const point<D> next = axes * (c.support(d).at + d * c.radius) + at;
                 if (i > 0) line(last, next);
+                if (D == 2 && i > 0) corner(next);
                 last = next;
             }
+            if (D == 2) fill(true);
         }
     }
 
@@ -336,13 +373,16 @@ private:
     debug_color color_;
     /// Of each body by number.
     buffer<std::uint32_t> island_;
+    buffer<vec> corners_;
 };
 
 }  // namespace detail
 
-/// Draws a world by calls of renderer.point(at, color) and renderer.line(from, to, color), and, where it has that,
-/// renderer.text(at, characters, color), with vectors of the world. Refuses fewer than 3 sides. Reads only. O(bodies +
-/// shapes + contacts + joints), with islands O(bodies / 64) for each island more.
+/// Draws a world by calls of renderer.point(at, color) and renderer.line(from, to, color), and, where it has these,
+/// renderer.text(at, characters, color) and renderer.polygon(corners, count, color), with vectors of the world.
+/// Polygons are convex and counter-clockwise as seen from outside: the faces of boxes, hulls and triangles, and in 2D
+/// all that is solid. Refuses fewer than 3 sides. Reads only. O(bodies + shapes + contacts + joints), with islands
+/// O(bodies / 64) for each island more.
 template <class World, class Renderer>
 void debug_draw(const World& w, Renderer&& renderer,
                 const debug_draw_options<typename World::scalar, World::dimension>& with = {}) {
