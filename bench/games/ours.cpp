@@ -71,14 +71,13 @@ row ask_row(const char* what, const size& by, Ask&& ask) {
     return query_row<field_of_boxes<D>>(what, "ours", D, by, ask);
 }
 
-/// The bodies of a pyramid at rest go one by one.
-template <class Recipe>
-row destroy_row(const char* what, const size& by) {
+/// The bodies of a scene at rest go one by one.
+template <class Recipe, class Build>
+row destroy_row(const char* what, Build&& build) {
     using world = physics::world<Recipe>;
     constexpr int D = world::dimension;
     auto from = std::make_shared<world>(scenes::grounded<world>());
-    if constexpr (D == 2) scenes::pyramid(*from, by.rows);
-    else scenes::square_pyramid(*from, by.rows / 3);
+    build(*from);
     for (int i = 0; i < 120; ++i) from->step(1.0f / 60);
     return {what, "body", "ours", D, [from] {
                 world w = *from;
@@ -173,8 +172,15 @@ void add_rows(const size& by, std::vector<row>& rows) {
         return found;
     }));
     rows.push_back(character_row<D>(by));
-    rows.push_back(destroy_row<plain<D>>("destroys a pyramid one by one", by));
-    rows.push_back(destroy_row<with_contacts<D>>("the same with contact events", by));
+    const auto build_pyramid = [&](auto& w) {
+        if constexpr (D == 2) scenes::pyramid(w, by.rows);
+        else scenes::square_pyramid(w, by.rows / 3);
+    };
+    rows.push_back(destroy_row<plain<D>>("destroys a pyramid one by one", build_pyramid));
+    rows.push_back(destroy_row<with_contacts<D>>("the same with contact events", build_pyramid));
+    rows.push_back(destroy_row<plain<D>>("destroys crates that sleep alone", [&](auto& w) {
+        for (int i = 0; i < by.things; ++i) scenes::add_crate(w, 2 * i, 0.5);
+    }));
 }
 const adds rows_of_ours([](const size& by, std::vector<row>& rows) {
     add_rows<2>(by, rows);

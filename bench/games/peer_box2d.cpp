@@ -166,6 +166,26 @@ const adds rows_of_box2d([](const size& by, std::vector<row>& rows) {
                         for (b2Body* const b : p.boxes) p.w.DestroyBody(b);
                         return clock.ns() / static_cast<double>(p.boxes.size());
                     }});
+    rows.push_back({"destroys crates that sleep alone", "body", "Box2D 2.4", 2, [things = by.things] {
+                        b2World w({0, -10});
+                        b2PolygonShape shape;
+                        shape.SetAsBox(2.0f * static_cast<float>(things), 1, {0, -1}, 0);
+                        b2BodyDef still;
+                        w.CreateBody(&still)->CreateFixture(&shape, 0);
+                        shape.SetAsBox(0.5f, 0.5f);
+                        std::vector<b2Body*> crates;
+                        for (int i = 0; i < things; ++i) {
+                            b2BodyDef def;
+                            def.type = b2_dynamicBody;
+                            def.position = {2 * static_cast<float>(i), 0.5f};
+                            crates.push_back(w.CreateBody(&def));
+                            crates.back()->CreateFixture(&shape, 1);
+                        }
+                        for (int i = 0; i < 120; ++i) w.Step(1.0f / 60, 8, 3);
+                        const stopwatch clock;
+                        for (b2Body* const b : crates) w.DestroyBody(b);
+                        return clock.ns() / static_cast<double>(crates.size());
+                    }});
 });
 
 }  // namespace
