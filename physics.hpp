@@ -33796,7 +33796,9 @@ void list_near(const wake_input<Plan>& w, std::uint32_t body,
     each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto& shape) {
         // What comes into a sensor that moves is seen though it sleeps.
         if (shape.sensor && w.bodies[body].type != body_type::static_body) return;
-        list_near(w, shape, merged(query_bounds(w, shape), bounds(shape.shape, to * shape.local)));
+        const auto there = bounds(shape.shape, to * shape.local);
+        // Out of the range of numbers no step takes it; where a step asks, nothing may fail.
+        if (is_box(there)) list_near(w, shape, merged(query_bounds(w, shape), there));
     });
     each_connected(w.joints, body, [&](std::uint32_t other) { list_island(w, other); });
 }
@@ -33810,16 +33812,8 @@ void wake_ahead(const wake_input<Plan>& w, typename Plan::scalar h) {
             continue;
         auto turn = b.rotation;
         if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
-        const transform<typename Plan::scalar, Plan::dimension> to{
-            b.center + b.velocity.linear * h - turn * b.mass.center, turn};
-        // Out of the range of numbers no step takes it, and nothing may fail here.
-        bool fits = true;
-        each_shape(w.bodies, w.shapes, i, [&](std::uint32_t, const auto& shape) {
-            fits = fits && is_box(bounds(shape.shape, to * shape.local));
-        });
-        if (!fits) continue;
         start_waking(w);
-        list_near(w, i, to);
+        list_near(w, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
         reserve_waking(w, w.shapes.slots(), 0);
         finish_waking(w);
     }
@@ -37740,7 +37734,7 @@ struct world_data : state<Plan> {
 
 /// Takes the memory for each_contact. O(bodies + contacts) after a step, then nothing.
 template <class Plan>
-void index_contacts(const world_data<Plan>& s) {
+PHYSICS_HPP_NOINLINE void index_contacts(const world_data<Plan>& s) {
     const buffer<typename Plan::contact>* asleep = nullptr;
     if constexpr (Plan::sleeps) asleep = &s.sleep.contacts;
     s.step.contacts_of.update(s.bodies.slots(), s.contacts, asleep);
@@ -38683,25 +38677,27 @@ template <class Plan>
 void list_connected(world_data<Plan>& s, std::uint32_t body) {
     if constexpr (Plan::sleeps) each_connected(s.joints, body, [&](std::uint32_t other) { list_island(s, other); });
 }
+/// Lists those asleep that touch a body, or are held to it by joints.
+template <class Plan>
+PHYSICS_HPP_NOINLINE void list_touching(world_data<Plan>& s, std::uint32_t body) {
+    list_connected(s, body);
+    if constexpr (Plan::sleeps) {
+        if (s.sleep.contacts.empty()) return;
+        each_contact(s, body, [&](const auto& in, std::uint32_t at) {
+            const auto [a, b] = in[at].bodies;
+            if (&in == &s.sleep.contacts) list_island(s, a == body ? b : a);
+        });
+    }
+}
 /// Bodies change, for which each(f) calls f(body): lists those that are dynamic, and what touches others or is held to
 /// them by joints.
 template <class Plan, class Each>
 void list_affected(world_data<Plan>& s, Each&& each) {
-    if constexpr (Plan::sleeps) {
-        const auto add = [&](std::uint32_t other) { list_island(s, other); };
+    if constexpr (Plan::sleeps)
         each([&](std::uint32_t body) {
-            if (s.bodies[body].is_dynamic()) {
-                add(body);
-                return;
-            }
-            list_connected(s, body);
-            if (s.sleep.contacts.empty()) return;
-            each_contact(s, body, [&](const auto& in, std::uint32_t at) {
-                if (&in == &s.sleep.contacts)
-                    add(in[at].bodies.body_a == body ? in[at].bodies.body_b : in[at].bodies.body_a);
-            });
+            if (s.bodies[body].is_dynamic()) list_island(s, body);
+            else list_touching(s, body);
         });
-    }
 }
 template <class Plan>
 PHYSICS_HPP_NOINLINE void list_affected(world_data<Plan>& s, std::uint32_t body) {

@@ -129,7 +129,9 @@ void list_near(const wake_input<Plan>& w, std::uint32_t body,
     each_shape(w.bodies, w.shapes, body, [&](std::uint32_t, const auto& shape) {
         // What comes into a sensor that moves is seen though it sleeps.
         if (shape.sensor && w.bodies[body].type != body_type::static_body) return;
-        list_near(w, shape, merged(query_bounds(w, shape), bounds(shape.shape, to * shape.local)));
+        const auto there = bounds(shape.shape, to * shape.local);
+        // Out of the range of numbers no step takes it; where a step asks, nothing may fail.
+        if (is_box(there)) list_near(w, shape, merged(query_bounds(w, shape), there));
     });
     each_connected(w.joints, body, [&](std::uint32_t other) { list_island(w, other); });
 }
@@ -143,16 +145,8 @@ void wake_ahead(const wake_input<Plan>& w, typename Plan::scalar h) {
             continue;
         auto turn = b.rotation;
         if constexpr (Plan::rotates) turn = turned(turn, b.velocity.angular * h);
-        const transform<typename Plan::scalar, Plan::dimension> to{
-            b.center + b.velocity.linear * h - turn * b.mass.center, turn};
-        // Out of the range of numbers no step takes it, and nothing may fail here.
-        bool fits = true;
-        each_shape(w.bodies, w.shapes, i, [&](std::uint32_t, const auto& shape) {
-            fits = fits && is_box(bounds(shape.shape, to * shape.local));
-        });
-        if (!fits) continue;
         start_waking(w);
-        list_near(w, i, to);
+        list_near(w, i, {b.center + b.velocity.linear * h - turn * b.mass.center, turn});
         reserve_waking(w, w.shapes.slots(), 0);
         finish_waking(w);
     }

@@ -54,25 +54,27 @@ template <class Plan>
 void list_connected(world_data<Plan>& s, std::uint32_t body) {
     if constexpr (Plan::sleeps) each_connected(s.joints, body, [&](std::uint32_t other) { list_island(s, other); });
 }
+/// Lists those asleep that touch a body, or are held to it by joints.
+template <class Plan>
+PHYSICS_HPP_NOINLINE void list_touching(world_data<Plan>& s, std::uint32_t body) {
+    list_connected(s, body);
+    if constexpr (Plan::sleeps) {
+        if (s.sleep.contacts.empty()) return;
+        each_contact(s, body, [&](const auto& in, std::uint32_t at) {
+            const auto [a, b] = in[at].bodies;
+            if (&in == &s.sleep.contacts) list_island(s, a == body ? b : a);
+        });
+    }
+}
 /// Bodies change, for which each(f) calls f(body): lists those that are dynamic, and what touches others or is held to
 /// them by joints.
 template <class Plan, class Each>
 void list_affected(world_data<Plan>& s, Each&& each) {
-    if constexpr (Plan::sleeps) {
-        const auto add = [&](std::uint32_t other) { list_island(s, other); };
+    if constexpr (Plan::sleeps)
         each([&](std::uint32_t body) {
-            if (s.bodies[body].is_dynamic()) {
-                add(body);
-                return;
-            }
-            list_connected(s, body);
-            if (s.sleep.contacts.empty()) return;
-            each_contact(s, body, [&](const auto& in, std::uint32_t at) {
-                if (&in == &s.sleep.contacts)
-                    add(in[at].bodies.body_a == body ? in[at].bodies.body_b : in[at].bodies.body_a);
-            });
+            if (s.bodies[body].is_dynamic()) list_island(s, body);
+            else list_touching(s, body);
         });
-    }
 }
 template <class Plan>
 PHYSICS_HPP_NOINLINE void list_affected(world_data<Plan>& s, std::uint32_t body) {

@@ -15,7 +15,7 @@ struct world_data : state<Plan> {
 
 /// Takes the memory for each_contact. O(bodies + contacts) after a step, then nothing.
 template <class Plan>
-void index_contacts(const world_data<Plan>& s) {
+PHYSICS_HPP_NOINLINE void index_contacts(const world_data<Plan>& s) {
     const buffer<typename Plan::contact>* asleep = nullptr;
     if constexpr (Plan::sleeps) asleep = &s.sleep.contacts;
     s.step.contacts_of.update(s.bodies.slots(), s.contacts, asleep);
