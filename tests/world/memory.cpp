@@ -134,6 +134,13 @@ struct scene {
                  with.gravity = at(0, -5);
                  w.set_settings(with);
              }},
+            {"set_settings, of the margin too",
+             [](world& w) {
+                 auto with = w.settings();
+                 with.contact_margin *= S(4);
+                 w.set_settings(with);
+             }},
+            {"shift_origin", [](world& w) { w.shift_origin(at(7, 3)); }},
             {"step", [](world& w) { step(w); }},
             {"step by workers",
              [](world& w) {

@@ -273,22 +273,33 @@ void set_continuous(world_data<Plan>& s, body_id id, bool on) {
     if (at && check_continuous<Plan>(f, on)) s.bodies[at.index].continuous = on;
 }
 
+/// Tells the broadphase where all shapes are now. Nothing fails after reserve_changes for all of them.
+template <class Plan>
+void refresh_all_boxes(state<Plan>& s) {
+    s.bodies.each([&](std::uint32_t i, const auto&) {
+        refresh_boxes<Plan>(s.bodies, s.settings.contact_margin, s.shapes, s.broadphase, i);
+    });
+    update_broadphase(s);
+}
+
 /// Brings a world to settings that have been checked.
 template <class Plan>
 void change_settings(world_data<Plan>& s, const typename Plan::settings& settings) {
+    bool wakes = !(settings.gravity == s.settings.gravity);
+    if constexpr (!Plan::features::materials) wakes = wakes || !(settings.material == s.settings.material);
+    if constexpr (Plan::sleeps) wakes = wakes || !settings.sleeping.enabled;
+    start_waking(s);
+    if (wakes) list_all(s);
+    prepare_waking(s, s.shapes.count());
+    finish_waking(s);
     // What was carried along was found within the old margin.
     if (settings.contact_margin != s.settings.contact_margin) s.memories.clear();
-    if (!(settings.gravity == s.settings.gravity)) wake_all(s);
-    if constexpr (!Plan::features::materials)
-        if (!(settings.material == s.settings.material)) wake_all(s);
     if constexpr (Plan::sleeps)
-        if (!settings.sleeping.enabled) {
-            wake_all(s);
+        if (!settings.sleeping.enabled)
             for (auto& sleep_time : s.sleep.sleep_time) sleep_time = {};
-        }
     s.settings = settings;
     configure_broadphase(s);
-    s.bodies.each([&](std::uint32_t i, const auto&) { refresh_boxes(s, i); });
+    refresh_all_boxes(s);
 }
 
 template <class Plan>
@@ -319,11 +330,11 @@ void shift_origin(world_data<Plan>& s, const vec<typename Plan::scalar, Plan::di
         });
     });
     if (!fits) return;
-    s.bodies.each([&](std::uint32_t i, auto& b) {
+    reserve_changes(s.broadphase, s.shapes.slots(), s.shapes.count());
+    s.bodies.each([&]([[maybe_unused]] std::uint32_t i, auto& b) {
         b.center -= to;
         if (b.has_target) b.target.position -= to;
         if constexpr (Plan::sleeps) s.sleep.sleep_anchor[i] -= to;
-        refresh_boxes<Plan>(s.bodies, s.settings.contact_margin, s.shapes, s.broadphase, i);
     });
     for (auto& start : s.contact_starts) start.position -= to;
     if constexpr (Plan::has_joints)
@@ -332,7 +343,7 @@ void shift_origin(world_data<Plan>& s, const vec<typename Plan::scalar, Plan::di
                 if constexpr (requires { stored.joint.shift_origin(to); }) stored.joint.shift_origin(to);
             });
         });
-    update_broadphase(s);
+    refresh_all_boxes(s);
 }
 
 }  // namespace detail

@@ -101,13 +101,8 @@ void list_near_shape(world_data<Plan>& s, const shape_record<Plan>& shape, body_
             list_near(to_wake<Plan>(s, s.step), shape, query_bounds(s, shape));
 }
 template <class Plan>
-void wake_all(world_data<Plan>& s) {
-    if constexpr (Plan::sleeps) {
-        start_waking(s);
-        s.bodies.each([&](std::uint32_t i, const auto&) { list_island(s, i); });
-        prepare_waking(s);
-        finish_waking(s);
-    }
+void list_all(world_data<Plan>& s) {
+    if constexpr (Plan::sleeps) s.bodies.each([&](std::uint32_t i, const auto&) { list_island(s, i); });
 }
 
 template <class Plan>
