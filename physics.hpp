@@ -42651,9 +42651,9 @@ void apply_buoyancy(World& w, const water<typename World::scalar, World::dimensi
 PHYSICS_HPP_END
 
 // =================================================================================================
-// physics/kit/character.hpp
+// physics/kit/character_settings.hpp
 // =================================================================================================
-// A character: a shape that walks, steps, jumps and rides through a world by queries.
+// The numbers of a character, and what it stands on.
 
 PHYSICS_HPP_BEGIN
 
@@ -42696,13 +42696,22 @@ struct character_ground {
     explicit operator bool() const { return static_cast<bool>(shape); }
 };
 
+PHYSICS_HPP_END
+
+// =================================================================================================
+// physics/kit/character.hpp
+// =================================================================================================
+// A character: a shape that walks, steps, jumps and rides through a world by queries.
+
+PHYSICS_HPP_BEGIN
+
 /// A character that moves as it is told: it slides along walls, climbs steps, keeps to slopes and stairs that it
 /// descends, rides on what moves beneath it, pushes bodies, and gets out of what it is in. It has no body of its own:
 /// for others to meet it, move a kinematic body along, and leave that out by the filter. Move it once a step, after
 /// world.step(). It takes its contacts from collide_shape, so that its shape must be of the recipe's set; a chain or a
-/// mesh that is one-sided stops it from the front alone. Errors: numbers that are not finite, settings out of range and
-/// an up of another length than 1 are refused, and it stays as it was. Cost of a move: 4 queries on flat ground, more
-/// at steps and in corners.
+/// mesh that is one-sided stops it from the front alone. Errors: numbers out of range, ways that may lead out of it,
+/// and an up of another length than 1 are refused, and it stays as it was. Cost of a move: 4 queries on flat ground,
+/// more at steps and in corners.
 template <class World, class Shape = typename World::capsule>
 class character {
     static constexpr int D = World::dimension;
@@ -42716,7 +42725,7 @@ public:
     /// Of a shape as capsule::upright() gives it, with its feet at a point, and a unit vector upwards.
     character(const placed_shape<Shape, D>& shape, vec feet, vec up, const settings_type& with = {}) {
         const char* f = "character";
-        if (!check(shape.shape, f) || !check(with, f) || !detail::check_finite(f, "feet", feet) ||
+        if (!check(shape.shape, f) || !check(with, f) || !detail::check_in_range(f, "feet", feet) ||
             !detail::check_finite(f, "up", up))
             return;
         if (const double size = detail::to_double(length(up)); !(size > 0.999 && size < 1.001)) {
@@ -42749,7 +42758,7 @@ public:
     /// Where its feet are: the lowest point, as it stands on what is below (m).
     [[nodiscard]] vec feet() const { return position_ - up_ * below_; }
     void set_feet(vec feet) {
-        if (!detail::check_finite("set_feet", "feet", feet)) return;
+        if (!detail::check_in_range("set_feet", "feet", feet)) return;
         position_ = feet + up_ * below_;
         ground_ = {};
     }
@@ -42759,7 +42768,7 @@ public:
     [[nodiscard]] vec velocity() const { return velocity_; }
     /// Throws it, or lets it fall as fast as that: what it does not do by walking (m/s).
     void set_fall_velocity(vec v) {
-        if (!detail::check_finite("set_fall_velocity", "v", v)) return;
+        if (!detail::check_in_range("set_fall_velocity", "v", v)) return;
         fall_ = v;
         ground_ = {};
     }
@@ -42769,18 +42778,43 @@ public:
     [[nodiscard]] bool is_stuck() const { return is_stuck_; }
     /// Leaves the ground with the next move, as fast as that above what it stands on (m/s).
     void jump(S speed) {
-        if (detail::check_not_negative("jump", "speed", speed)) jump_ = speed;
+        if (detail::check_not_negative("jump", "speed", speed) && detail::check_in_range("jump", "speed", speed))
+            jump_ = speed;
     }
 
     /// Moves it by dt seconds. It walks by a velocity (m/s) across up: along the ground where it stands on any, and
     /// falls otherwise.
     void move(World& w, vec walk, S dt) {
-        if (detail::check_finite("move", "walk", walk) && detail::check_positive("move", "dt", dt))
-            detail::scoped([&] { move_by(w, across(walk), dt); });
+        if (!detail::check_in_range("move", "walk", walk) || !detail::check_positive("move", "dt", dt)) return;
+        detail::scoped([&] {
+            if (!check_reach(w, walk, dt)) return;
+            // What is refused on the way leaves it where it is.
+            character next = *this;
+            next.move_by(w, across(walk), dt);
+            *this = next;
+        });
     }
 
 private:
     using contact = typename World::shape_contact;
+    /// Neither how fast nor how far it gets may leave the range of numbers.
+    [[nodiscard]] bool check_reach(const World& w, const vec& walk, S dt) const {
+        const auto size = [](S x) { return detail::to_double(abs(x)); };
+        const vec gravity = w.settings().gravity;
+        const double h = size(dt);
+        double speed = size(jump_), reach = 0;
+        for (int i = 0; i < D; ++i) {
+            speed += size(walk[i]) + size(fall_[i]) + size(ground_.velocity[i]) + size(gravity[i]) * h;
+            reach = max(reach, size(position_[i]));
+        }
+        reach += speed * max(h, 1.0);
+        // Of floating point the squares too.
+        const double range = detail::to_double(scalar_traits<S>::max()),
+                     most = detail::is_fixed<S> ? range : sqrt(range);
+        return reach <= most / 16 ||
+               detail::refuse("move", "reach", reach,
+                              "it must stay well within the scalar's range, and so must its square");
+    }
     /// How fast it gets out of what it is in (m/s).
     static constexpr S fastest_out = S(12);
 

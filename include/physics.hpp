@@ -372,6 +372,7 @@
 // What games build on a world.
 #include "physics/kit/buoyancy.hpp"
 #include "physics/kit/character.hpp"
+#include "physics/kit/character_settings.hpp"
 #include "physics/kit/debug_draw.hpp"
 #include "physics/kit/debug_draw_options.hpp"
 #include "physics/kit/fields.hpp"

@@ -365,6 +365,29 @@ CELL_CASE("characters: a wedge holds it at rest, and lets it go at once") {
     }
 }
 #endif
+CELL_CASE("characters: what falls for ever is stopped by name before it leaves the range of numbers") {
+    const S most = physics::scalar_traits<S>::max();
+    for (const S pull : {S(10), S(1000), most * S(0.0625)}) {
+        world w{world::settings_type{.gravity = along(1, -1) * pull}};
+        hero h = level::make(0, 2);
+        const std::string well = "not refused";
+        std::string said = well;
+        for (int i = 0; i < 400 && said == well; ++i) {
+            const vec before = h.pose().position, speed = h.velocity();
+            said = refusal([&] { h.move(w, {}, S(i < 4 ? 1 : i)); });
+            REQUIRE(physics::detail::is_in_range(h.pose().position));
+            REQUIRE(physics::detail::is_in_range(h.velocity()));
+            if (said == well) continue;
+            CHECK(h.pose().position == before);
+            CHECK(h.velocity() == speed);
+        }
+        CAPTURE(said);
+        CHECK((said == well || said.find("move: reach is ") != std::string::npos));
+        CHECK((said != well || pull < most * S(0.03125)));
+        const vec far = along(1, 1) * (most * S(0.75));
+        CHECK((refusal([&] { h.set_feet(far); }) != well) == physics::detail::is_fixed<S>);
+    }
+}
 CELL_CASE("characters: bad numbers are refused by name, and it stays where it is") {
     level l;
     l.floor();

@@ -1,57 +1,19 @@
 // A character: a shape that walks, steps, jumps and rides through a world by queries.
 #pragma once
 
+#include "physics/kit/character_settings.hpp"
 #include "physics/shape/placed.hpp"
 #include "physics/world/world.hpp"
 
 PHYSICS_HPP_BEGIN
 
-/// Numbers of a character.
-template <class S, int D>
-struct character_settings {
-    /// Distance that it keeps from all surfaces (m).
-    S skin = S(0.01);
-    /// The steepest slope on which it stands (rad, below a right angle).
-    S max_slope = pi<S> / S(4);
-    /// The highest step that it climbs (m).
-    S step_height = S(0.35);
-    /// How far below its feet it keeps to the ground that it leaves downwards (m).
-    S snap_distance = S(0.3);
-    /// What it pushes bodies with (N), and how heavy it is on what it stands on (kg).
-    S strength = S(100);
-    S mass = S(80);
-    /// What it meets.
-    query_filter filter = {};
-};
-template <class S, int D>
-bool check(const character_settings<S, D>& with, const char* function) {
-    using namespace detail;
-    if (!(with.max_slope < pi<S> / S(2)))
-        return refuse(function, "max_slope", static_cast<double>(with.max_slope), "it must be below a right angle");
-    return check_positive(function, "skin", with.skin) && check_positive(function, "max_slope", with.max_slope) &&
-           check_not_negative(function, "step_height", with.step_height) &&
-           check_not_negative(function, "snap_distance", with.snap_distance) &&
-           check_not_negative(function, "strength", with.strength) && check_not_negative(function, "mass", with.mass);
-}
-
-/// What a character stands on.
-template <class S, int D>
-struct character_ground {
-    shape_id shape;
-    body_id body;
-    /// Where its foot touches (m), the unit normal of the surface there, and how fast that moves (m/s).
-    vec<S, D> point, normal, velocity;
-
-    explicit operator bool() const { return static_cast<bool>(shape); }
-};
-
 /// A character that moves as it is told: it slides along walls, climbs steps, keeps to slopes and stairs that it
 /// descends, rides on what moves beneath it, pushes bodies, and gets out of what it is in. It has no body of its own:
 /// for others to meet it, move a kinematic body along, and leave that out by the filter. Move it once a step, after
 /// world.step(). It takes its contacts from collide_shape, so that its shape must be of the recipe's set; a chain or a
-/// mesh that is one-sided stops it from the front alone. Errors: numbers that are not finite, settings out of range and
-/// an up of another length than 1 are refused, and it stays as it was. Cost of a move: 4 queries on flat ground, more
-/// at steps and in corners.
+/// mesh that is one-sided stops it from the front alone. Errors: numbers out of range, ways that may lead out of it,
+/// and an up of another length than 1 are refused, and it stays as it was. Cost of a move: 4 queries on flat ground,
+/// more at steps and in corners.
 template <class World, class Shape = typename World::capsule>
 class character {
     static constexpr int D = World::dimension;
@@ -65,7 +27,7 @@ public:
     /// Of a shape as capsule::upright() gives it, with its feet at a point, and a unit vector upwards.
     character(const placed_shape<Shape, D>& shape, vec feet, vec up, const settings_type& with = {}) {
         const char* f = "character";
-        if (!check(shape.shape, f) || !check(with, f) || !detail::check_finite(f, "feet", feet) ||
+        if (!check(shape.shape, f) || !check(with, f) || !detail::check_in_range(f, "feet", feet) ||
             !detail::check_finite(f, "up", up))
             return;
         if (const double size = detail::to_double(length(up)); !(size > 0.999 && size < 1.001)) {
@@ -98,7 +60,7 @@ public:
     /// Where its feet are: the lowest point, as it stands on what is below (m).
     [[nodiscard]] vec feet() const { return position_ - up_ * below_; }
     void set_feet(vec feet) {
-        if (!detail::check_finite("set_feet", "feet", feet)) return;
+        if (!detail::check_in_range("set_feet", "feet", feet)) return;
         position_ = feet + up_ * below_;
         ground_ = {};
     }
@@ -108,7 +70,7 @@ public:
     [[nodiscard]] vec velocity() const { return velocity_; }
     /// Throws it, or lets it fall as fast as that: what it does not do by walking (m/s).
     void set_fall_velocity(vec v) {
-        if (!detail::check_finite("set_fall_velocity", "v", v)) return;
+        if (!detail::check_in_range("set_fall_velocity", "v", v)) return;
         fall_ = v;
         ground_ = {};
     }
@@ -118,18 +80,43 @@ public:
     [[nodiscard]] bool is_stuck() const { return is_stuck_; }
     /// Leaves the ground with the next move, as fast as that above what it stands on (m/s).
     void jump(S speed) {
-        if (detail::check_not_negative("jump", "speed", speed)) jump_ = speed;
+        if (detail::check_not_negative("jump", "speed", speed) && detail::check_in_range("jump", "speed", speed))
+            jump_ = speed;
     }
 
     /// Moves it by dt seconds. It walks by a velocity (m/s) across up: along the ground where it stands on any, and
     /// falls otherwise.
     void move(World& w, vec walk, S dt) {
-        if (detail::check_finite("move", "walk", walk) && detail::check_positive("move", "dt", dt))
-            detail::scoped([&] { move_by(w, across(walk), dt); });
+        if (!detail::check_in_range("move", "walk", walk) || !detail::check_positive("move", "dt", dt)) return;
+        detail::scoped([&] {
+            if (!check_reach(w, walk, dt)) return;
+            // What is refused on the way leaves it where it is.
+            character next = *this;
+            next.move_by(w, across(walk), dt);
+            *this = next;
+        });
     }
 
 private:
     using contact = typename World::shape_contact;
+    /// Neither how fast nor how far it gets may leave the range of numbers.
+    [[nodiscard]] bool check_reach(const World& w, const vec& walk, S dt) const {
+        const auto size = [](S x) { return detail::to_double(abs(x)); };
+        const vec gravity = w.settings().gravity;
+        const double h = size(dt);
+        double speed = size(jump_), reach = 0;
+        for (int i = 0; i < D; ++i) {
+            speed += size(walk[i]) + size(fall_[i]) + size(ground_.velocity[i]) + size(gravity[i]) * h;
+            reach = max(reach, size(position_[i]));
+        }
+        reach += speed * max(h, 1.0);
+        // Of floating point the squares too.
+        const double range = detail::to_double(scalar_traits<S>::max()),
+                     most = detail::is_fixed<S> ? range : sqrt(range);
+        return reach <= most / 16 ||
+               detail::refuse("move", "reach", reach,
+                              "it must stay well within the scalar's range, and so must its square");
+    }
     /// How fast it gets out of what it is in (m/s).
     static constexpr S fastest_out = S(12);
 
