@@ -42810,8 +42810,8 @@ private:
         reach += speed * max(h, 1.0);
         // Of floating point the squares too.
         const double range = detail::to_double(scalar_traits<S>::max()),
-                     most = detail::is_fixed<S> ? range : sqrt(range);
-        return reach <= most / 16 ||
+                     limit = detail::is_fixed<S> ? range : sqrt(range);
+        return reach <= limit / 16 ||
                detail::refuse("move", "reach", reach,
                               "it must stay well within the scalar's range, and so must its square");
     }
