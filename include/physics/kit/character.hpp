@@ -11,9 +11,9 @@ PHYSICS_HPP_BEGIN
 /// descends, rides on what moves beneath it, pushes bodies, and gets out of what it is in. It has no body of its own:
 /// for others to meet it, move a kinematic body along, and leave that out by the filter. Move it once a step, after
 /// world.step(). It takes its contacts from collide_shape, so that its shape must be of the recipe's set; a chain or a
-/// mesh that is one-sided stops it from the front alone. Errors: numbers out of range, ways that may lead out of it,
-/// and an up of another length than 1 are refused, and it stays as it was. Cost of a move: 4 queries on flat ground,
-/// more at steps and in corners.
+/// mesh that is one-sided stops it from the front alone. Errors: numbers out of range, ways that may lead beyond 1/16
+/// of it (of its square root in floating point), and an up of another length than 1 are refused, and it stays as it
+/// was. Cost of a move: 4 queries on flat ground, more at steps and in corners.
 template <class World, class Shape = typename World::capsule>
 class character {
     static constexpr int D = World::dimension;

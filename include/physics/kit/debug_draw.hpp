@@ -195,7 +195,10 @@ private:
                     line(place(c.corner[i]), place(c.corner[(i + 1) % 3]));
                     corner(place(c.corner[i]));
                 }
-                return fill();
+                // In 2D its corners may go either way round.
+                if constexpr (D == 2) fill(cross(c.corner[1] - c.corner[0], c.corner[2] - c.corner[0]) < 0);
+                else fill();
+                return;
             case core_kind::box: return draw_box(c.corner[0], c.radius, axes, at);
             case core_kind::disc: return draw_frustum(c, axes, at);
             case core_kind::hull_of_floats: return draw_hull(*static_cast<const hull_data<float, D>*>(c.data), place);
@@ -381,8 +384,8 @@ private:
 /// Draws a world by calls of renderer.point(at, color) and renderer.line(from, to, color), and, where it has these,
 /// renderer.text(at, characters, color) and renderer.polygon(corners, count, color), with vectors of the world.
 /// Polygons are convex and counter-clockwise as seen from outside: the faces of boxes, hulls and triangles, and in 2D
-/// all that is solid. Refuses fewer than 3 sides. Reads only. O(bodies + shapes + contacts + joints), with islands
-/// O(bodies / 64) for each island more.
+/// all that is solid. Triangles and surfaces are drawn without their radius. Refuses fewer than 3 sides. Reads only.
+/// O(bodies + shapes + contacts + joints), with islands O(bodies / 64) for each island more.
 template <class World, class Renderer>
 void debug_draw(const World& w, Renderer&& renderer,
                 const debug_draw_options<typename World::scalar, World::dimension>& with = {}) {
