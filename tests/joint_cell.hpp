@@ -34,6 +34,31 @@ bool check(const pin<T, N>& p, const char* function) {
 
 }  // namespace own_joints
 
+/// The worlds of the laws of joints: few shapes, all kinds of joints. Named alike in all units of a cell, so that they
+/// share what is compiled of them (cell_kernels.cpp.in).
+template <int D>
+struct all_joints {
+    using type =
+        physics::joints<physics::ball_joint, physics::distance_joint, physics::revolute_joint, physics::prismatic_joint,
+                        physics::weld_joint, physics::wheel_joint, physics::filter_joint, physics::motor_joint,
+                        physics::target_joint, physics::gear_joint, physics::rack_joint, physics::pulley_joint,
+                        physics::six_degrees_joint>;
+};
+template <>
+struct all_joints<3> {
+    using type =
+        physics::joints<physics::ball_joint, physics::distance_joint, physics::revolute_joint, physics::prismatic_joint,
+                        physics::weld_joint, physics::wheel_joint, physics::filter_joint, physics::motor_joint,
+                        physics::target_joint, physics::gear_joint, physics::rack_joint, physics::pulley_joint,
+                        physics::six_degrees_joint, physics::cone_joint, physics::swing_twist_joint>;
+};
+template <class S, int D, class... Policies>
+struct joined_of
+    : physics::recipe<S, D, physics::shapes<physics::ball, physics::capsule, physics::box, physics::halfspace>,
+                      typename all_joints<D>::type, Policies...> {};
+PHYSICS_HPP_EXTERN(joined_of<CELL_SCALAR, CELL_DIMENSION>)
+PHYSICS_HPP_EXTERN(joined_of<CELL_SCALAR, CELL_DIMENSION, physics::sequential_impulse>)
+
 namespace {
 namespace joint_laws {
 
@@ -50,10 +75,11 @@ constexpr double gravity = 10, pi = 3.141592653589793;
 
 using few = physics::shapes<physics::ball, physics::box, physics::halfspace>;
 template <class... Policies>
-struct of : physics::recipe<S, D, few, physics::joints<physics::distance_joint>, Policies...> {};
-using soft = of<>;
-using hard = of<physics::sequential_impulse>;
-using unturned = of<physics::without<physics::feature::rotation>>;
+using joined = joined_of<S, D, Policies...>;
+using soft = joined<>;
+using hard = joined<physics::sequential_impulse>;
+struct unturned : physics::recipe<S, D, few, physics::joints<physics::distance_joint>,
+                                  physics::without<physics::feature::rotation>> {};
 using world = physics::world<soft>;
 
 inline double number(S x) { return cell::number(x); }

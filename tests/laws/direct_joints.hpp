@@ -9,10 +9,7 @@ namespace direct_laws {
 using namespace joint_laws;
 using ball_joint = physics::ball_joint<S, D>;
 
-template <class... Policies>
-struct balls : physics::recipe<S, D, physics::shapes<physics::ball, physics::capsule>,
-                               physics::joints<physics::ball_joint, physics::distance_joint>, Policies...> {};
-using world_type = physics::world<balls<>>;
+using world_type = physics::world<joined<>>;
 
 /// A chain of capsules of 1 m, level from an anchor on, with a ball at its end; scenes "ball and chain" of Box2D.
 template <class World>
@@ -74,7 +71,7 @@ CELL_CASE("direct joints: a chain of 40 links does not stretch under 50,000 time
     carries<world_type>(cell::is_fixed ? 150 : 480);
 }
 CELL_CASE("direct joints: nor does it in sequential_impulse, which stretches it if it may not solve directly") {
-    using World = physics::world<balls<physics::sequential_impulse>>;
+    using World = physics::world<joined<physics::sequential_impulse>>;
     CHECK(ball_and_chain<World>(20, 672, 4, 5).worst_of(200) < 0.0005);
     ball_and_chain<World> iterative(20, 672, 4, 5);
     auto settings = iterative.w.settings();

@@ -13,11 +13,8 @@ using angular = physics::angular<S, D>;
 using joint_axis = physics::joint_axis<S>;
 using six_degrees_joint = physics::six_degrees_joint<S, D>;
 
-template <class... Policies>
-struct axes : physics::recipe<S, D, physics::shapes<physics::ball, physics::box>,
-                              physics::joints<physics::six_degrees_joint>, Policies...> {};
-using plain = physics::world<axes<>>;
-using iterative = physics::world<axes<physics::sequential_impulse>>;
+using plain = physics::world<joined<>>;
+using iterative = physics::world<joined<physics::sequential_impulse>>;
 
 inline void turn_by(physics::rotation<S, 2>& r, int axis, double angle) {
     if (axis == 2) r = r * physics::rotation<S, 2>::from_angle(S(angle));

@@ -8,12 +8,8 @@ namespace drive_laws {
 
 using namespace joint_laws;
 
-template <class... Policies>
-struct drives : physics::recipe<S, D, physics::shapes<physics::ball, physics::box, physics::halfspace>,
-                                physics::joints<physics::filter_joint, physics::motor_joint, physics::target_joint>,
-                                Policies...> {};
-using plain = physics::world<drives<>>;
-using iterative = physics::world<drives<physics::sequential_impulse>>;
+using plain = physics::world<joined<>>;
+using iterative = physics::world<joined<physics::sequential_impulse>>;
 using filter_joint = physics::filter_joint<S, D>;
 using motor_joint = physics::motor_joint<S, D>;
 using target_joint = physics::target_joint<S, D>;

@@ -8,11 +8,8 @@ namespace force_laws {
 
 using namespace joint_laws;
 
-template <class... Policies>
-struct borne : physics::recipe<S, D, few, physics::joints<physics::ball_joint, physics::revolute_joint>, Policies...> {
-};
-using plain = physics::world<borne<>>;
-using split = physics::world<borne<physics::sequential_impulse>>;
+using plain = physics::world<joined<>>;
+using split = physics::world<joined<physics::sequential_impulse>>;
 using ball_joint = physics::ball_joint<S, D>;
 using revolute_joint = physics::revolute_joint<S, D>;
 

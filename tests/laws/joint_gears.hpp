@@ -12,14 +12,8 @@ using gear_joint = physics::gear_joint<S, D>;
 using revolute_joint = physics::revolute_joint<S, D>;
 using prismatic_joint = physics::prismatic_joint<S, D>;
 
-template <class... Policies>
-struct gears
-    : physics::recipe<
-          S, D, physics::shapes<physics::ball, physics::box>,
-          physics::joints<physics::gear_joint, physics::rack_joint, physics::prismatic_joint, physics::revolute_joint>,
-          Policies...> {};
-using plain = physics::world<gears<>>;
-using hard = physics::world<gears<physics::sequential_impulse>>;
+using plain = physics::world<joined<>>;
+using hard = physics::world<joined<physics::sequential_impulse>>;
 
 CELL_CASE("joint gears: rows are the derivatives of what they measure, and have no moment") {
     cell::dice dice(7);

@@ -9,12 +9,8 @@ namespace joint_impact_laws {
 using namespace joint_laws;
 using ball_joint = physics::ball_joint<S, D>;
 using weld_joint = physics::weld_joint<S, D>;
-template <class... Policies>
-struct impacts
-    : physics::recipe<S, D, few, physics::joints<physics::ball_joint, physics::weld_joint, physics::revolute_joint>,
-                      Policies...> {};
-using plain = physics::world<impacts<>>;
-using hard = physics::world<impacts<physics::sequential_impulse>>;
+using plain = physics::world<joined<>>;
+using hard = physics::world<joined<physics::sequential_impulse>>;
 
 /// Boxes of 1 kg that are welded to each other, one upon the other; the lowest begins at that height.
 template <class World>
@@ -126,6 +122,7 @@ CELL_CASE("joint impacts: what falls on a bridge does not open it") {
     for (const int substeps : {4, 16})
         for (const double friction : {0.0, 20.0})
             for (const double mass : {1.0, 20.0}) {
+                if (substeps > 4 && mass == 1) continue;  // For time: heavy ones open it more.
                 CAPTURE(substeps);
                 CAPTURE(friction);
                 CAPTURE(mass);

@@ -8,14 +8,7 @@ namespace kind_laws {
 
 using namespace joint_laws;
 
-template <class... Policies>
-struct kinds
-    : physics::recipe<
-          S, D, physics::shapes<physics::ball, physics::box>,
-          physics::joints<physics::ball_joint, physics::distance_joint, physics::prismatic_joint,
-                          physics::revolute_joint, physics::target_joint, physics::weld_joint, physics::wheel_joint>,
-          Policies...> {};
-using plain = physics::world<kinds<>>;
+using plain = physics::world<joined<>>;
 using revolute_joint = physics::revolute_joint<S, D>;
 using prismatic_joint = physics::prismatic_joint<S, D>;
 using weld_joint = physics::weld_joint<S, D>;
@@ -44,7 +37,7 @@ CELL_CASE("joint kinds: a rod swings from its hinge as it should, and pulls") {
     for (const int substeps : {1, 4, 16}) {
         CAPTURE(substeps);
         a_rod_swings_from_its_hinge<plain>(substeps);
-        a_rod_swings_from_its_hinge<physics::world<kinds<physics::sequential_impulse>>>(substeps);
+        a_rod_swings_from_its_hinge<physics::world<joined<physics::sequential_impulse>>>(substeps);
     }
 }
 

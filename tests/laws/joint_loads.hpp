@@ -66,7 +66,7 @@ double taut_bridge(int count, int substeps, double friction) {
     World w = falling<World>(substeps);
     const std::vector<body_id> planks = add_taut_bridge(w, count, friction);
     double gap = 0;
-    for (int i = 0; i < 256; ++i) {
+    for (int i = 0; i < (substeps > 4 ? 128 : 256); ++i) {
         w.step(S(1.0 / 64));
         gap = std::max(gap, widest_gap(w, planks));
     }

@@ -8,13 +8,8 @@ namespace net_laws {
 
 using namespace joint_laws;
 
-template <class... Policies>
-struct nets : physics::recipe<S, D, few,
-                              physics::joints<physics::ball_joint, physics::revolute_joint, physics::prismatic_joint,
-                                              physics::weld_joint, physics::wheel_joint>,
-                              Policies...> {};
-using plain = physics::world<nets<>>;
-using split = physics::world<nets<physics::sequential_impulse>>;
+using plain = physics::world<joined<>>;
+using split = physics::world<joined<physics::sequential_impulse>>;
 
 struct net {
     /// How far the places of a joint in its two bodies are apart, at most (m), and whether it is a tree.

@@ -10,11 +10,8 @@ using namespace axis_laws;
 using pulley_joint = physics::pulley_joint<S, D>;
 using ball_joint = physics::ball_joint<S, D>;
 
-template <class... Policies>
-struct pulleys : physics::recipe<S, D, few, physics::joints<physics::ball_joint, physics::pulley_joint>, Policies...> {
-};
-using plain = physics::world<pulleys<>>;
-using hard = physics::world<pulleys<physics::sequential_impulse>>;
+using plain = physics::world<joined<>>;
+using hard = physics::world<joined<physics::sequential_impulse>>;
 
 CELL_CASE("joint pulleys: rows are the derivatives of what they measure, and moments those of their forces") {
     if constexpr (std::is_same_v<S, double>) {

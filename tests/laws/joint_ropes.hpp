@@ -61,9 +61,9 @@ std::vector<vec> places_of_a_net() {
 template <class... Policies>
 struct balls : physics::recipe<S, D, few, physics::joints<physics::ball_joint>, Policies...> {};
 CELL_CASE("joint pulleys: recipes that know them move other joints by the same bits") {
-    CHECK(places_of_a_net<balls<>>() == places_of_a_net<pulleys<>>());
+    CHECK(places_of_a_net<balls<>>() == places_of_a_net<joined<>>());
     CHECK(places_of_a_net<balls<physics::sequential_impulse>>() ==
-          places_of_a_net<pulleys<physics::sequential_impulse>>());
+          places_of_a_net<joined<physics::sequential_impulse>>());
 }
 
 CELL_CASE("joint pulleys: bad ones are refused by name") {

@@ -11,7 +11,7 @@ namespace joint_scene_laws {
 using namespace kind_laws;
 using ball_joint = physics::ball_joint<S, D>;
 /// Of worlds in which impacts are exact.
-using bouncing = physics::world<kinds<physics::sequential_impulse>>;
+using bouncing = physics::world<joined<physics::sequential_impulse>>;
 
 /// Of a pendulum that is let go at an angle (s).
 inline double period_of(double length, double g, double angle) {

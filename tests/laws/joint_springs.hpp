@@ -14,19 +14,8 @@ using wheel_joint = physics::wheel_joint<S, D>;
 using motor_joint = physics::motor_joint<S, D>;
 using target_joint = physics::target_joint<S, D>;
 
-#if CELL_DIMENSION == 3
-using all_sprung = physics::joints<physics::distance_joint, physics::prismatic_joint, physics::revolute_joint,
-                                   physics::weld_joint, physics::wheel_joint, physics::motor_joint,
-                                   physics::target_joint, physics::six_degrees_joint, physics::swing_twist_joint>;
-#else
-using all_sprung =
-    physics::joints<physics::distance_joint, physics::prismatic_joint, physics::revolute_joint, physics::weld_joint,
-                    physics::wheel_joint, physics::motor_joint, physics::target_joint, physics::six_degrees_joint>;
-#endif
-template <class... Policies>
-struct sprung : physics::recipe<S, D, physics::shapes<physics::ball, physics::box>, all_sprung, Policies...> {};
-using plain = physics::world<sprung<>>;
-using hard = physics::world<sprung<physics::sequential_impulse>>;
+using plain = physics::world<joined<>>;
+using hard = physics::world<joined<physics::sequential_impulse>>;
 
 /// Kinds whose spring holds B at (0, -1) in the frame of A.
 constexpr int lengths = 7;

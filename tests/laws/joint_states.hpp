@@ -81,7 +81,7 @@ CELL_CASE("joint states: arms with limits, motors and springs side by side have 
         arms_have_the_bits_of_one<kind_laws::plain>(cell::is_fixed ? 2 : 5, cell::is_fixed ? 8 : 20);
     }
     SUBCASE("sequential_impulse") {
-        arms_have_the_bits_of_one<physics::world<kind_laws::kinds<physics::sequential_impulse>>>(3, 8);
+        arms_have_the_bits_of_one<physics::world<kind_laws::joined<physics::sequential_impulse>>>(3, 8);
     }
 }
 
@@ -318,9 +318,9 @@ void joints_of_disabled_bodies_hold_nothing() {
     CHECK(number(before - w.position(chain[1])[1]) == doctest::Approx(0.71).epsilon(0.02));
 }
 CELL_CASE("joint states: a joint holds nothing while one of its bodies is disabled") {
-    SUBCASE("soft_step") { joints_of_disabled_bodies_hold_nothing<physics::world<kind_laws::kinds<>>>(); }
+    SUBCASE("soft_step") { joints_of_disabled_bodies_hold_nothing<physics::world<kind_laws::joined<>>>(); }
     SUBCASE("sequential_impulse") {
-        joints_of_disabled_bodies_hold_nothing<physics::world<kind_laws::kinds<physics::sequential_impulse>>>();
+        joints_of_disabled_bodies_hold_nothing<physics::world<kind_laws::joined<physics::sequential_impulse>>>();
     }
 }
 

@@ -12,12 +12,9 @@ using namespace axis_laws;
 using vec3 = physics::vec<S, 3>;
 using rotation3 = physics::rotation<S, 3>;
 
-template <class... Policies>
-struct swings : physics::recipe<S, 3, physics::shapes<physics::ball, physics::box>,
-                                physics::joints<physics::cone_joint, physics::swing_twist_joint>, Policies...> {};
 using joint = physics::swing_twist_joint<S, 3>;
 using cone_joint = physics::cone_joint<S, 3>;
-using world = physics::world<swings<>>;
+using world = physics::world<joined<>>;
 
 inline void set_cone(joint& j, double angle) { j.max_swing_y = j.max_swing_z = S(angle); }
 inline void set_cone(cone_joint& j, double angle) { j.half_angle = S(angle); }
@@ -190,7 +187,7 @@ CELL_CASE("joint swings: an arm leans on its cone, beyond a right angle too") {
                 CAPTURE(cone);
                 CAPTURE(substeps);
                 CAPTURE(swapped);
-                using hard = physics::world<swings<physics::sequential_impulse>>;
+                using hard = physics::world<joined<physics::sequential_impulse>>;
                 a_cone_bears<joint, world>(cone, substeps, swapped);
                 a_cone_bears<joint, hard>(cone, substeps, swapped);
                 a_cone_bears<cone_joint, world>(cone, substeps, swapped);
