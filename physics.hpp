@@ -28192,18 +28192,21 @@ public:
         if (a_.is_pushed) of_a.add_to(starts, a_.index);
         if (b_.is_pushed) of_b.add_to(starts, b_.index);
     }
-    void solve(body* bodies, const joint_pass<S>& with, joint_round round) {
+    /// Row by row, from the first to the last, or back.
+    void solve(body* bodies, const joint_pass<S>& with, joint_round round, bool back) {
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
         const P far_lanes = P::load(is_far_);
         const P* const far = is_any_far_ ? &far_lanes : nullptr;
         if constexpr (shared == 0) {
-            each_row([&](row& r, int) { r.solve(with, round, a_, b_, of_a, of_b, far); });
+            for (int i = 0; i < count_; ++i)
+                rows_[back ? count_ - 1 - i : i].solve(with, round, a_, b_, of_a, of_b, far);
         } else {
             for (int i = 0, n; i < count_; i += n) {
-                n = rows_together(shared, kind_row_[i]);
-                if (n > 1) solve_together(i, n, with, round, of_a, of_b);
-                else rows_[i].solve(with, round, a_, b_, of_a, of_b, far);
+                int first = back ? count_ - 1 - i : i;
+                while ((n = rows_together(shared, kind_row_[first])) == 0) --first;
+                if (n > 1) solve_together(first, n, with, round, of_a, of_b);
+                else rows_[first].solve(with, round, a_, b_, of_a, of_b, far);
             }
         }
         is_corrected_ = is_corrected_ || round == joint_round::corrections;
@@ -28448,6 +28451,11 @@ public:
     void each(task_runner& tasks, F&& f) const {
         blocks_.each(tasks, [&](std::uint32_t k) { f(first_[k]); });
     }
+    /// The same from the last to the first, by this thread.
+    template <class F>
+    void each_back(F&& f) const {
+        for (std::uint32_t k = blocks_.count(); k > 0; --k) f(first_[k - 1]);
+    }
 
 private:
     using row = typename block::row_type;
@@ -28648,12 +28656,18 @@ public:
         solve_iterative(tasks, detail::joint_round::all);
     }
     void solve_after_contacts(detail::task_runner& tasks) { solve_direct(tasks, detail::joint_round::all); }
-    /// The same for solvers that go over contacts several times in between. First speeds and springs, any number of
-    /// times.
-    bool solve_speeds(detail::task_runner& tasks) { return solve(tasks, detail::joint_round::speeds); }
+    /// The same for solvers that go over contacts several times in between. First speeds and springs, an even number of
+    /// times, every other time from the last joint back to the first. Passes in one direction may have complex
+    /// eigenvalues, with which warm starting makes nets of heavy and light bodies gain speed.
+    bool solve_speeds(detail::task_runner& tasks, bool back) {
+        return back ? solve_back(tasks, detail::joint_round::speeds) : solve(tasks, detail::joint_round::speeds);
+    }
     /// Then, before bodies move, the errors; joints that are not solved directly take all of them back in several
-    /// passes only.
-    bool correct(detail::task_runner& tasks) { return solve(tasks, detail::joint_round::corrections); }
+    /// passes only, in both directions.
+    bool correct(detail::task_runner& tasks, bool back) {
+        return back ? solve_back(tasks, detail::joint_round::corrections)
+                    : solve(tasks, detail::joint_round::corrections);
+    }
     void store_impulses(detail::task_runner& tasks) {
         each(tasks, [this](auto& b, const auto& pass) { b.store_impulses(poses_, pass.h); });
     }
@@ -28664,11 +28678,23 @@ private:
         solve_iterative(tasks, round);
         return true;
     }
+    bool solve_back(detail::task_runner& tasks, detail::joint_round round) {
+        solve_direct(tasks, round);
+        // What is assigned last is evaluated first.
+        [[maybe_unused]] int last = 0;
+        (void)(last = ... = solve_kind_back<Joints<S, D>>(round));
+        return true;
+    }
     void solve_direct(detail::task_runner& tasks, detail::joint_round round) {
         direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, direct_pass_, round); });
     }
     void solve_iterative(detail::task_runner& tasks, detail::joint_round round) {
-        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round); }), ...);
+        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round, false); }), ...);
+    }
+    template <class Joint>
+    int solve_kind_back(detail::joint_round round) {
+        blocks<Joint>::each_back([=, this](auto& b) { b.solve(bodies_.first, pass_, round, true); });
+        return 0;
     }
     template <class Joint>
     void make_blocks(const constraints_type& of, const std::uint32_t* which, const std::uint32_t* on,
@@ -28708,8 +28734,8 @@ public:
     bool solve(detail::task_runner&, bool) { return false; }
     void solve_before_contacts(detail::task_runner&) {}
     void solve_after_contacts(detail::task_runner&) {}
-    bool solve_speeds(detail::task_runner&) { return false; }
-    bool correct(detail::task_runner&) { return false; }
+    bool solve_speeds(detail::task_runner&, bool) { return false; }
+    bool correct(detail::task_runner&, bool) { return false; }
     void store_impulses(detail::task_runner&) {}
 };
 
@@ -29255,14 +29281,14 @@ struct sequential_impulse {
                     return true;
                 };
                 alternating_passes(
-                    with.iterations, contacts, [&] { return joints.solve_speeds(serial); }, solve_one);
-                for (int round = 0; round < with.iterations; ++round) joints.correct(serial);
+                    with.iterations, contacts, [&](bool back) { return joints.solve_speeds(serial, back); }, solve_one);
+                for (int round = 0; round < with.iterations; ++round) joints.correct(serial, round % 2 != 0);
                 for (std::uint32_t k = 0; k < bodies.count; ++k) position_velocities[k] = {};
                 const auto push_one = [&](const contact& c, std::uint32_t k, bool back) {
                     return solve_position(c, blocks[k], bodies, position_velocities, back);
                 };
                 alternating_passes(
-                    with.iterations, contacts, [] { return false; }, push_one);
+                    with.iterations, contacts, [](bool) { return false; }, push_one);
                 integrate_positions(bodies, has_joint, velocity_change, position_velocities,
                                     with.max_depenetration_speed, h_sub, motion);
                 joints.update_rows(serial, nullptr);
@@ -29415,14 +29441,14 @@ struct sequential_impulse {
         }
 
         /// Passes over all contacts in alternating directions, so that impulses and corrections propagate equally both
-        /// ways; before each, joints. Ends after `rounds` passes, or after one in which both return false.
+        /// ways; before each, joints, in its direction. Ends after `rounds`, or after one in which both return false.
         template <class Joints, class F>
         static void alternating_passes(int rounds, const solver_api::contact_constraints<S, D, Features>& contacts,
                                        Joints&& joints, F&& f) {
             bool changed = true;
             for (int round = 0; round < rounds && changed; ++round) {
                 const bool back = round % 2 != 0;
-                changed = joints();
+                changed = joints(back);
                 for (std::uint32_t i = 0; i < contacts.size(); ++i) {
                     const std::uint32_t at = back ? contacts.size() - 1 - i : i;
                     changed = f(contacts[at], at, back) || changed;

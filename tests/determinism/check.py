@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One hash for each scene of hash.cpp, whatever compiled it: both compilers, each optimisation level, this machine's
+"""One hash for each scene of hash.cpp, whatever compiled it: both compilers, -O1 to -O3, this machine's
 own instructions, 32 bits, wasm, both 128-bit paths, the parts and the single header, and no flag that asks for it.
 
     python3 tests/determinism/check.py [--quick|--one]    --quick: half of the builds; EVERYTHING=1 in the environment:

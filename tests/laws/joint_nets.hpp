@@ -26,12 +26,10 @@ inline rotation any_turn(cell::dice& dice) {
     return tilted(about_z);
 }
 
-/// Joins up to 12 boxes of masses up to 1 : 10,000 by pins up to 4 m off them; gives the largest speed of any body in
-/// all steps and in the last ones.
+/// Joins up to 12 boxes of masses up to 1 : 10,000 by pins up to 4 m off them.
 template <class World>
-std::pair<double, double> largest_speeds(const net& of, int seed, int substeps) {
+std::vector<body_id> add_net(World& w, const net& of, int seed) {
     cell::dice dice(static_cast<std::uint64_t>(seed) + 1);
-    World w = falling<World>(substeps, 0);
     auto settings = w.settings();
     settings.solver.max_direct_cost = of.is_direct ? 1 << 20 : 0;
     w.set_settings(settings);
@@ -93,6 +91,14 @@ std::pair<double, double> largest_speeds(const net& of, int seed, int substeps) 
                                                           .max_motor_torque = force});
         }
     }
+    return all;
+}
+
+/// The largest speed of any body of a net in all steps and in the last ones.
+template <class World>
+std::pair<double, double> largest_speeds(const net& of, int seed, int substeps) {
+    World w = falling<World>(substeps, 0);
+    const std::vector<body_id> all = add_net(w, of, seed);
     double largest = 0, last = 0;
     for (int i = 0; i < 120; ++i) {
         w.step(S(i % 3 == 0 ? 1.0 / 30 : 1.0 / 60));
@@ -145,6 +151,40 @@ CELL_CASE("joint nets: what is met stays at rest round by round too") {
 CELL_CASE("joint nets: what cannot all be met does not whirl round by round") {
     SUBCASE("soft_step") { rounds_stay_bounded<plain>(0.1, 5, 100); }
     SUBCASE("sequential_impulse") { rounds_stay_bounded<split>(0.1, 5, 100); }
+}
+/// By what factor the energy of a net grows at most that is struck along lines, and that nothing drives; without that
+/// of spins.
+inline double energy_gain(int seed, int substeps) {
+    split w = falling<split>(substeps, 0);
+    std::vector<body_id> all = add_net(w, {.is_direct = false}, seed);
+    all.erase(all.begin(), all.begin() + 2);
+    const auto energy = [&] {
+        double sum = 0;
+        for (const body_id b : all) {
+            const double speed = length_of(w.linear_velocity(b));
+            sum += number(w.mass(b).mass) * speed * speed / 2;
+        }
+        return sum;
+    };
+    cell::dice dice(static_cast<std::uint64_t>(seed));
+    for (const body_id b : all) w.set_linear_velocity(b, dice.vec<vec>(-0.01, 0.01));
+    const double before = energy();
+    double most = 0;
+    for (int i = 0; i < 120; ++i) {
+        w.step(S(1.0 / 60));
+        most = std::max(most, energy());
+    }
+    return most / before;
+}
+// The bound tells nets that whirl from others, and is not that of physics: of 100 in double 2D, one or two gain up to
+// twofold, of which the cause is not known. Where passes over joints went one way only, 15 to 34 gained more than four.
+CELL_CASE("joint nets: what is struck does not whirl round by round, at any substeps") {
+    for (const int substeps : {1, 4, 16, 64})
+        for (int seed = 0; seed < (cell::is_sanitized ? 3 : 20); ++seed) {
+            CAPTURE(substeps);
+            CAPTURE(seed);
+            CHECK(energy_gain(seed, substeps) < 4);
+        }
 }
 CELL_CASE("joint nets: motors go no faster than they drive the levers") {
     SUBCASE("trees") { nets_stay_bounded<plain>({.is_tree = true, .has_motors = true}, 1000, 1000); }

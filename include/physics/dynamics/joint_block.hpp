@@ -75,18 +75,21 @@ public:
         if (a_.is_pushed) of_a.add_to(starts, a_.index);
         if (b_.is_pushed) of_b.add_to(starts, b_.index);
     }
-    void solve(body* bodies, const joint_pass<S>& with, joint_round round) {
+    /// Row by row, from the first to the last, or back.
+    void solve(body* bodies, const joint_pass<S>& with, joint_round round, bool back) {
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
         const P far_lanes = P::load(is_far_);
         const P* const far = is_any_far_ ? &far_lanes : nullptr;
         if constexpr (shared == 0) {
-            each_row([&](row& r, int) { r.solve(with, round, a_, b_, of_a, of_b, far); });
+            for (int i = 0; i < count_; ++i)
+                rows_[back ? count_ - 1 - i : i].solve(with, round, a_, b_, of_a, of_b, far);
         } else {
             for (int i = 0, n; i < count_; i += n) {
-                n = rows_together(shared, kind_row_[i]);
-                if (n > 1) solve_together(i, n, with, round, of_a, of_b);
-                else rows_[i].solve(with, round, a_, b_, of_a, of_b, far);
+                int first = back ? count_ - 1 - i : i;
+                while ((n = rows_together(shared, kind_row_[first])) == 0) --first;
+                if (n > 1) solve_together(first, n, with, round, of_a, of_b);
+                else rows_[first].solve(with, round, a_, b_, of_a, of_b, far);
             }
         }
         is_corrected_ = is_corrected_ || round == joint_round::corrections;

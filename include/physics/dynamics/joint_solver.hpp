@@ -55,6 +55,11 @@ public:
     void each(task_runner& tasks, F&& f) const {
         blocks_.each(tasks, [&](std::uint32_t k) { f(first_[k]); });
     }
+    /// The same from the last to the first, by this thread.
+    template <class F>
+    void each_back(F&& f) const {
+        for (std::uint32_t k = blocks_.count(); k > 0; --k) f(first_[k - 1]);
+    }
 
 private:
     using row = typename block::row_type;
@@ -255,12 +260,18 @@ public:
         solve_iterative(tasks, detail::joint_round::all);
     }
     void solve_after_contacts(detail::task_runner& tasks) { solve_direct(tasks, detail::joint_round::all); }
-    /// The same for solvers that go over contacts several times in between. First speeds and springs, any number of
-    /// times.
-    bool solve_speeds(detail::task_runner& tasks) { return solve(tasks, detail::joint_round::speeds); }
+    /// The same for solvers that go over contacts several times in between. First speeds and springs, an even number of
+    /// times, every other time from the last joint back to the first. Passes in one direction may have complex
+    /// eigenvalues, with which warm starting makes nets of heavy and light bodies gain speed.
+    bool solve_speeds(detail::task_runner& tasks, bool back) {
+        return back ? solve_back(tasks, detail::joint_round::speeds) : solve(tasks, detail::joint_round::speeds);
+    }
     /// Then, before bodies move, the errors; joints that are not solved directly take all of them back in several
-    /// passes only.
-    bool correct(detail::task_runner& tasks) { return solve(tasks, detail::joint_round::corrections); }
+    /// passes only, in both directions.
+    bool correct(detail::task_runner& tasks, bool back) {
+        return back ? solve_back(tasks, detail::joint_round::corrections)
+                    : solve(tasks, detail::joint_round::corrections);
+    }
     void store_impulses(detail::task_runner& tasks) {
         each(tasks, [this](auto& b, const auto& pass) { b.store_impulses(poses_, pass.h); });
     }
@@ -271,11 +282,23 @@ private:
         solve_iterative(tasks, round);
         return true;
     }
+    bool solve_back(detail::task_runner& tasks, detail::joint_round round) {
+        solve_direct(tasks, round);
+        // What is assigned last is evaluated first.
+        [[maybe_unused]] int last = 0;
+        (void)(last = ... = solve_kind_back<Joints<S, D>>(round));
+        return true;
+    }
     void solve_direct(detail::task_runner& tasks, detail::joint_round round) {
         direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, direct_pass_, round); });
     }
     void solve_iterative(detail::task_runner& tasks, detail::joint_round round) {
-        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round); }), ...);
+        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round, false); }), ...);
+    }
+    template <class Joint>
+    int solve_kind_back(detail::joint_round round) {
+        blocks<Joint>::each_back([=, this](auto& b) { b.solve(bodies_.first, pass_, round, true); });
+        return 0;
     }
     template <class Joint>
     void make_blocks(const constraints_type& of, const std::uint32_t* which, const std::uint32_t* on,
@@ -315,8 +338,8 @@ public:
     bool solve(detail::task_runner&, bool) { return false; }
     void solve_before_contacts(detail::task_runner&) {}
     void solve_after_contacts(detail::task_runner&) {}
-    bool solve_speeds(detail::task_runner&) { return false; }
-    bool correct(detail::task_runner&) { return false; }
+    bool solve_speeds(detail::task_runner&, bool) { return false; }
+    bool correct(detail::task_runner&, bool) { return false; }
     void store_impulses(detail::task_runner&) {}
 };
 

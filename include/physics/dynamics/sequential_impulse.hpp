@@ -108,14 +108,14 @@ struct sequential_impulse {
                     return true;
                 };
                 alternating_passes(
-                    with.iterations, contacts, [&] { return joints.solve_speeds(serial); }, solve_one);
-                for (int round = 0; round < with.iterations; ++round) joints.correct(serial);
+                    with.iterations, contacts, [&](bool back) { return joints.solve_speeds(serial, back); }, solve_one);
+                for (int round = 0; round < with.iterations; ++round) joints.correct(serial, round % 2 != 0);
                 for (std::uint32_t k = 0; k < bodies.count; ++k) position_velocities[k] = {};
                 const auto push_one = [&](const contact& c, std::uint32_t k, bool back) {
                     return solve_position(c, blocks[k], bodies, position_velocities, back);
                 };
                 alternating_passes(
-                    with.iterations, contacts, [] { return false; }, push_one);
+                    with.iterations, contacts, [](bool) { return false; }, push_one);
                 integrate_positions(bodies, has_joint, velocity_change, position_velocities,
                                     with.max_depenetration_speed, h_sub, motion);
                 joints.update_rows(serial, nullptr);
@@ -268,14 +268,14 @@ struct sequential_impulse {
         }
 
         /// Passes over all contacts in alternating directions, so that impulses and corrections propagate equally both
-        /// ways; before each, joints. Ends after `rounds` passes, or after one in which both return false.
+        /// ways; before each, joints, in its direction. Ends after `rounds`, or after one in which both return false.
         template <class Joints, class F>
         static void alternating_passes(int rounds, const solver_api::contact_constraints<S, D, Features>& contacts,
                                        Joints&& joints, F&& f) {
             bool changed = true;
             for (int round = 0; round < rounds && changed; ++round) {
                 const bool back = round % 2 != 0;
-                changed = joints();
+                changed = joints(back);
                 for (std::uint32_t i = 0; i < contacts.size(); ++i) {
                     const std::uint32_t at = back ? contacts.size() - 1 - i : i;
                     changed = f(contacts[at], at, back) || changed;
