@@ -24551,13 +24551,13 @@ struct blocks_by_colour {
         return last_is_serial && group + 1 == colours ? 1 : edges_a_block;
     }
 
-    /// Calls f(block's number) for all, colour by colour.
+    /// Calls f(block's number) for all, colour by colour, or from the last to the first.
     template <class F>
-    void each(task_runner& tasks, const F& f) const {
+    void each(task_runner& tasks, const F& f, bool back = false) const {
         if (!tasks.is_serial())
-            return each_in_parallel(tasks, &f,
-                                    [](const void* of, std::uint32_t k) { (*static_cast<const F*>(of))(k); });
-        for (std::uint32_t k = 0; k < count(); ++k) f(k);
+            return each_in_parallel(
+                tasks, &f, [](const void* of, std::uint32_t k) { (*static_cast<const F*>(of))(k); }, back);
+        for (std::uint32_t k = 0; k < count(); ++k) f(back ? count() - 1 - k : k);
     }
     /// The same for those that push bodies of joints.
     template <class F>
@@ -24584,13 +24584,16 @@ struct blocks_by_colour {
 
 private:
     /// Once for whatever there is to call, as it is called for blocks.
-    void each_in_parallel(task_runner& tasks, const void* f, void (*call)(const void*, std::uint32_t)) const {
-        for (std::uint32_t group = 0; group < colours; ++group) {
+    void each_in_parallel(task_runner& tasks, const void* f, void (*call)(const void*, std::uint32_t),
+                          bool back) const {
+        for (std::uint32_t i = 0; i < colours; ++i) {
+            const std::uint32_t group = back ? colours - 1 - i : i;
             const std::uint32_t from = begin[group], size = begin[group + 1] - from;
             const bool is_serial = last_is_serial && group + 1 == colours;
             tasks.parallel_for(size, is_serial ? size : share,
                                [=](std::uint32_t start, std::uint32_t end, std::uint32_t) {
-                                   for (std::uint32_t k = start; k < end; ++k) call(f, from + k);
+                                   for (std::uint32_t k = start; k < end; ++k)
+                                       call(f, from + (back ? size - 1 - k : k));
                                });
         }
     }
@@ -24618,8 +24621,6 @@ struct step_joint {
     /// What its rows gave in a substep of that length (N s, s); 0 of joints that are new.
     [[no_unique_address]] detail::fixed_list<S, Joint::row_count> impulse{};
     S substep{};
-    /// Whether it was solved round by round, not with all of its island at once.
-    bool is_iterated = false;
     /// Which of the world's joints of its kind it is.
     std::uint32_t slot = 0;
     /// Of joints that count their turns.
@@ -25532,9 +25533,16 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// What a round over joints is for: speeds, with springs or without; to take errors back; speeds and errors at once; or
-/// speeds of what has contacts, before these are visited.
-enum class joint_round : std::uint8_t { relaxing = 0, speeds = 1, corrections = 2, all = 3, before_contacts = 5 };
+/// What a round over joints is for: speeds, with springs or without; to take errors back; speeds and errors at once;
+/// speeds without springs before the last round of a substep; or speeds of what has contacts, before these are visited.
+enum class joint_round : std::uint8_t {
+    relaxing = 0,
+    speeds = 1,
+    corrections = 2,
+    all = 3,
+    relaxing_first = 4,
+    before_contacts = 5
+};
 constexpr bool has_springs(joint_round r) { return (static_cast<unsigned>(r) & 1) != 0; }
 constexpr bool has_errors(joint_round r) { return (static_cast<unsigned>(r) & 2) != 0; }
 
@@ -25687,7 +25695,7 @@ struct row_lanes : own_directions<S, D, W, Two> {
     S mass[W], impulse[W];
     /// By which angular velocities change for an impulse of 1.
     I response_a[array][W], response_b[array][W];
-    /// What of the impulse took the error back, where that is to be taken back itself.
+    /// What of the impulse took the error back, which is to be taken back itself.
     S correction[W];
     /// Of all substeps together.
     S total[W];
@@ -25816,27 +25824,24 @@ struct row_lanes : own_directions<S, D, W, Two> {
         return is_one_sided ? select_greater(P::load(one_sided), zero, max(P::load(error), zero), zero) : zero;
     }
     /// Visits it alone. Of what others have a part in, the bound is left to them. Springs act once in a substep, as
-    /// forces do: rounds without them leave them alone. It keeps by what errors are taken back: in rounds for nothing
-    /// else, and of lanes that are `far` (1, else 0).
+    /// forces do: rounds without them leave them alone. It keeps by what rounds for errors take them back; loads do not
+    /// sag in these.
     template <bool IsBounded = true>
-    void solve(const joint_pass<S>& with, joint_round round, const side& a, const side& b, lanes& of_a, lanes& of_b,
-               [[maybe_unused]] const P* far = nullptr) {
+    void solve(const joint_pass<S>& with, joint_round round, const side& a, const side& b, lanes& of_a, lanes& of_b) {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         const P before = P::load(impulse), v = speed_of(of_a, of_b) - P::load(speed);
         P left = one, bias = zero, lost = zero;
-        const bool springs = has_springs(round), errors = has_errors(round);
-        if (errors || (springs && has_spring)) {
-            left = P::load(share);
-            bias = P::load(error) * P::load(push);
-            lost = P::load(loss);
-        }
-        if (has_spring && springs != errors) {
-            const P is_spring = P::load(spring), in = springs ? is_spring : one - is_spring;
-            left = select_greater(in, zero, left, springs ? one : zero);
-            bias = bias * in;
-            lost = lost * in;
-        } else if (has_spring && !springs) {
-            left = one - P::load(spring);
+        if (has_errors(round)) bias = P::load(error) * P::load(push);
+        if (has_spring) {
+            const P spring_lanes = P::load(spring), rigid_lanes = one - spring_lanes;
+            if (has_springs(round)) {
+                left = select_greater(spring_lanes, zero, P::load(share), one);
+                bias = P::load(error) * P::load(push) * spring_lanes;
+                lost = P::load(loss) * spring_lanes;
+            } else {
+                left = rigid_lanes;
+                bias = bias * rigid_lanes;
+            }
         }
         if (is_one_sided) {
             const P free = room();
@@ -25849,19 +25854,14 @@ struct row_lanes : own_directions<S, D, W, Two> {
         const P next = IsBounded ? max(min(wanted, P::load(high)), P::load(low)) : wanted;
         apply(next - before, a, b, of_a, of_b);
         next.store(impulse);
-        if (!IsBounded || !errors) return;
-        if (!springs) return (P::load(correction) + (next - before)).store(correction);
-        if (far == nullptr) return;
-        P is_rigid = has_spring ? one - P::load(spring) : one;
-        if (is_one_sided) is_rigid = select_greater(room(), zero, zero, is_rigid);
-        const P without = max(min(before - P::load(mass) * left * v - lost * before, P::load(high)), P::load(low));
-        ((next - without) * is_rigid * *far).store(correction);
+        if (IsBounded && has_errors(round)) (P::load(correction) + (next - before)).store(correction);
     }
     /// Takes back by what solve has taken errors back.
     void take_correction_back(const side& a, const side& b, lanes& of_a, lanes& of_b) {
         const P before = P::load(impulse), next = max(min(before - P::load(correction), P::load(high)), P::load(low));
         apply(next - before, a, b, of_a, of_b);
         next.store(impulse);
+        P::broadcast(S(0)).store(correction);
     }
 
 private:
@@ -28152,8 +28152,6 @@ public:
         joints_[lane] = &joint;
         a_.put(lane, ends.a, bodies);
         b_.put(lane, ends.b, bodies);
-        far_error_[lane] =
-            S(0.01 * sqrt(own_lever_of(bodies[ends.a], bodies[ends.b]) + length_squared_of(joint.start.between)));
         if constexpr (can_hold_points) points_.put(lane, joint.start, joint.joint->points());
         each_row([&](row& r, int k) { r.impulse[lane] = first_impulse(joint, k, h); });
     }
@@ -28177,7 +28175,7 @@ public:
     /// Writes the rows anew after bodies have moved. Of what the substep gave, the next one is to begin with the same
     /// impulses along the new rows: starts (v - what it begins with) change by the difference.
     void update_rows(body* bodies, const pose* poses, const joint_pass<S>& with, twist_of<S, D, Rotates>* starts) {
-        if (is_any_far_ || is_corrected_) {
+        if (is_corrected_) {
             lanes of_a, of_b;
             load(bodies, of_a, of_b);
             each_row([&](row& r, int) { r.take_correction_back(a_, b_, of_a, of_b); });
@@ -28196,17 +28194,14 @@ public:
     void solve(body* bodies, const joint_pass<S>& with, joint_round round, bool back) {
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
-        const P far_lanes = P::load(is_far_);
-        const P* const far = is_any_far_ ? &far_lanes : nullptr;
         if constexpr (shared == 0) {
-            for (int i = 0; i < count_; ++i)
-                rows_[back ? count_ - 1 - i : i].solve(with, round, a_, b_, of_a, of_b, far);
+            for (int i = 0; i < count_; ++i) rows_[back ? count_ - 1 - i : i].solve(with, round, a_, b_, of_a, of_b);
         } else {
             for (int i = 0, n; i < count_; i += n) {
                 int first = back ? count_ - 1 - i : i;
                 while ((n = rows_together(shared, kind_row_[first])) == 0) --first;
                 if (n > 1) solve_together(first, n, with, round, of_a, of_b);
-                else rows_[first].solve(with, round, a_, b_, of_a, of_b, far);
+                else rows_[first].solve(with, round, a_, b_, of_a, of_b);
             }
         }
         is_corrected_ = is_corrected_ || round == joint_round::corrections;
@@ -28225,7 +28220,6 @@ public:
             });
             detail::store_impulses(
                 *joints_[lane], h, [&](int k) { return given[k]; }, [&](int k) { return sum[k]; });
-            joints_[lane]->is_iterated = true;
         }
     }
 
@@ -28266,28 +28260,10 @@ private:
                 if (joints_[lane] != nullptr) write_lane(lane, poses, with);
         }
         each_row([&](row& r, int) { r.finish(a_, b_, with); });
-        find_far();
     }
     bool write_points([[maybe_unused]] const pose* poses) {
         if constexpr (can_hold_points) return holds_points_ && points_.write(rows_, a_, b_, poses);
         else return false;
-    }
-    /// Where errors are larger than a hundredth of what joints measure.
-    void find_far() {
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-        P far = zero;
-        each_row([&](row& r, int) {
-            zero.store(r.correction);
-            P pulls = zero, error = lane_abs(P::load(r.error));
-            for (int i = 0; i < D; ++i) pulls = pulls + lane_abs(P::load(r.direction[i]));
-            // Of what has room or gives in, the error says nothing.
-            if (r.is_one_sided) error = select_greater(P::load(r.one_sided) * P::load(r.error), zero, zero, error);
-            if (r.has_spring) error = select_greater(P::load(r.spring), zero, zero, error);
-            const P limit = select_greater(pulls, zero, P::load(far_error_) * pulls, P::broadcast(S(0.01)));
-            far = max(far, select_greater(error, limit, one, zero));
-        });
-        far.store(is_far_);
-        is_any_far_ = greater(far, zero).bits() != 0;
     }
     PHYSICS_HPP_NOINLINE void write_lane(int lane, const pose* poses, const joint_pass<S>& with) {
         row_list<S, D, Joint::row_count, has_two_directions<Joint>()> rows;
@@ -28297,10 +28273,7 @@ private:
     }
 
     step_joint<Joint, S, D>* joints_[W] = {};
-    /// From which errors on joints are far from what they hold (m; of angles it is 0.01), and where they are (1, else
-    /// 0).
-    S far_error_[W] = {}, is_far_[W] = {};
-    bool is_any_far_ = false, is_corrected_ = false;
+    bool is_corrected_ = false;
     pushed_lanes<S, D, Rotates, W> a_, b_;
     [[no_unique_address]] std::conditional_t<can_hold_points, point_lanes<S, D, Rotates, W>, no_points> points_;
     bool holds_points_ = false;
@@ -28448,13 +28421,9 @@ public:
         });
     }
     template <class F>
-    void each(task_runner& tasks, F&& f) const {
-        blocks_.each(tasks, [&](std::uint32_t k) { f(first_[k]); });
-    }
-    /// The same from the last to the first, by this thread.
-    template <class F>
-    void each_back(F&& f) const {
-        for (std::uint32_t k = blocks_.count(); k > 0; --k) f(first_[k - 1]);
+    void each(task_runner& tasks, F&& f, bool back = false) const {
+        blocks_.each(
+            tasks, [&](std::uint32_t k) { f(first_[k]); }, back);
     }
 
 private:
@@ -28592,9 +28561,15 @@ namespace solver_api {
 
 /// Solves the joints among some constraints, Width at a time; every width gives the same bits, and so does every number
 /// of workers. A solver makes one as its step begins, and calls in each substep warm_start once velocities have
-/// advanced, solve with bias, update_rows once poses have, and solve without bias; in the end store_impulses. Rows are
+/// advanced, solve_speeds and correct, update_rows once poses have, and relax; in the end store_impulses. Rows are
 /// written where bodies are after each of their moves, so that no pair of forces has a moment: that keeps angular
 /// momentum. Costs nothing where there are no joints.
+///
+/// Joints that are not solved directly are visited one by one, from the first to the last or back. What a substep
+/// leaves of an error of speeds, E, has to be that of passes that read the same from either end, relax included: with
+/// impulses kept from substep to substep the error turns by [[E, E], [E - 1, E]], which is stable where eigenvalues of
+/// E lie in 0..1, as those of such passes do, and not always where they are complex: nets of heavy and light bodies
+/// would gain speed. Impulses of correct are taken back once bodies have moved, so that speeds know nothing of them.
 template <class Constraints, int Width = 1>
 class joint_solver;
 template <class S, int D, class Features, template <class, int> class... Joints, int Width>
@@ -28608,19 +28583,18 @@ public:
     using bodies_type = solver_bodies<S, D, Features::rotation>;
     static constexpr bool rotates = Features::rotation;
 
-    /// For substeps of h seconds; rigid joints are springs of that frequency (Hz) and damping ratio, and those that
-    /// are solved directly take errors back as springs of the other frequency would. A motion that has
+    /// For substeps of h seconds; rigid joints take errors back as springs of that frequency (Hz) and damping ratio
+    /// would, but do not sag. A motion that has
     /// find_rotation(body, pose, velocity, h) is asked how bodies are turned. Joints are solved directly where that
     /// takes up to max_direct_cost multiplications a row. Of bodies of others inertias are raised for the step, see
     /// raise_inertias: contacts are to be prepared after that.
     template <class Motion>
     joint_solver(const constraints_type& of, bodies_type bodies, const Motion& motion, S h, S frequency,
-                 S direct_frequency, S damping_ratio, int max_direct_cost, arena& scratch, detail::task_runner& tasks)
+                 S damping_ratio, int max_direct_cost, arena& scratch, detail::task_runner& tasks)
         : bodies_(bodies),
           poses_of_(bodies, motion),
           poses_(scratch.allocate<detail::joint_pose<S, D, rotates>>(bodies.count)),
-          pass_{h, S(1) / h, detail::softness<S>::of(frequency, damping_ratio, h)},
-          direct_pass_{h, S(1) / h, detail::softness<S>::of(direct_frequency, damping_ratio, h)} {
+          pass_{h, S(1) / h, detail::softness<S>::of(frequency, damping_ratio, h)} {
         find_poses(tasks);
         const std::uint32_t *which[sizeof...(Joints)] = {}, *on[sizeof...(Joints)] = {};
         std::uint32_t counts[sizeof...(Joints)] = {}, kind = 0;
@@ -28635,66 +28609,57 @@ public:
     }
     /// Gives bodies what the last substep gave.
     void warm_start(detail::task_runner& tasks) {
-        each(tasks, [this](auto& b, const auto& pass) { b.warm_start(bodies_.first, poses_, pass); });
+        each(tasks, [this](auto& b) { b.warm_start(bodies_.first, poses_, pass_); });
     }
     /// Says that bodies have moved. A solver that gives them in the next substep all that they have got in this one,
     /// v - start_velocity, hands these in, and does not warm-start again: what joints gave turns with them.
     void update_rows(detail::task_runner& tasks, twist_of<S, D, Features::rotation>* start_velocity) {
         find_poses(tasks);
-        each(tasks,
-             [=, this](auto& b, const auto& pass) { b.update_rows(bodies_.first, poses_, pass, start_velocity); });
+        each(tasks, [=, this](auto& b) { b.update_rows(bodies_.first, poses_, pass_, start_velocity); });
     }
-    /// One pass over the joints; true if there are kinds of them. With bias, contacts that are visited after it answer
-    /// to what takes errors back, and may throw what is joined: solvers better use one of the pairs below for it.
-    bool solve(detail::task_runner& tasks, bool use_bias) {
-        return solve(tasks, use_bias ? detail::joint_round::all : detail::joint_round::relaxing);
+    /// Speeds and springs, from the first joint to the last or back; true if there are kinds of them.
+    bool solve_speeds(detail::task_runner& tasks, bool back) { return solve(tasks, detail::joint_round::speeds, back); }
+    /// Then, before bodies move, the errors.
+    bool correct(detail::task_runner& tasks, bool back) { return solve(tasks, detail::joint_round::corrections, back); }
+    /// Speeds where bodies are after the move, without springs. Of so many passes of solve_speeds, there and back in
+    /// turn, it makes ones that read the same from either end: by a pass back, and where they are even one before it.
+    bool relax(detail::task_runner& tasks, int passes) {
+        if (passes % 2 == 0) solve_iterative(tasks, detail::joint_round::relaxing_first, false);
+        return solve(tasks, detail::joint_round::relaxing, true);
     }
-    /// The same as solve with bias in two calls, around one pass over contacts: joints that are solved directly hold
-    /// exactly when bodies move, whatever contacts do. The first call costs them nothing where there are no contacts.
+    /// The same as solve_speeds and correct around one pass over contacts: joints that are solved directly hold exactly
+    /// when bodies move, whatever contacts do. The first call costs these nothing where there are no contacts.
     void solve_before_contacts(detail::task_runner& tasks) {
         solve_direct(tasks, detail::joint_round::before_contacts);
-        solve_iterative(tasks, detail::joint_round::all);
+        solve_iterative(tasks, detail::joint_round::speeds, false);
     }
-    void solve_after_contacts(detail::task_runner& tasks) { solve_direct(tasks, detail::joint_round::all); }
-    /// The same for solvers that go over contacts several times in between. First speeds and springs, an even number of
-    /// times, every other time from the last joint back to the first. Passes in one direction may have complex
-    /// eigenvalues, with which warm starting makes nets of heavy and light bodies gain speed.
-    bool solve_speeds(detail::task_runner& tasks, bool back) {
-        return back ? solve_back(tasks, detail::joint_round::speeds) : solve(tasks, detail::joint_round::speeds);
-    }
-    /// Then, before bodies move, the errors; joints that are not solved directly take all of them back in several
-    /// passes only, in both directions.
-    bool correct(detail::task_runner& tasks, bool back) {
-        return back ? solve_back(tasks, detail::joint_round::corrections)
-                    : solve(tasks, detail::joint_round::corrections);
+    void solve_after_contacts(detail::task_runner& tasks) {
+        solve_iterative(tasks, detail::joint_round::corrections, false);
+        solve_direct(tasks, detail::joint_round::all);
     }
     void store_impulses(detail::task_runner& tasks) {
-        each(tasks, [this](auto& b, const auto& pass) { b.store_impulses(poses_, pass.h); });
+        each(tasks, [this](auto& b) { b.store_impulses(poses_, pass_.h); });
     }
 
 private:
-    bool solve(detail::task_runner& tasks, detail::joint_round round) {
+    bool solve(detail::task_runner& tasks, detail::joint_round round, bool back) {
         solve_direct(tasks, round);
-        solve_iterative(tasks, round);
-        return true;
-    }
-    bool solve_back(detail::task_runner& tasks, detail::joint_round round) {
-        solve_direct(tasks, round);
-        // What is assigned last is evaluated first.
-        [[maybe_unused]] int last = 0;
-        (void)(last = ... = solve_kind_back<Joints<S, D>>(round));
+        solve_iterative(tasks, round, back);
         return true;
     }
     void solve_direct(detail::task_runner& tasks, detail::joint_round round) {
-        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, direct_pass_, round); });
+        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, pass_, round); });
     }
-    void solve_iterative(detail::task_runner& tasks, detail::joint_round round) {
-        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round, false); }), ...);
-    }
-    template <class Joint>
-    int solve_kind_back(detail::joint_round round) {
-        blocks<Joint>::each_back([=, this](auto& b) { b.solve(bodies_.first, pass_, round, true); });
-        return 0;
+    void solve_iterative(detail::task_runner& tasks, detail::joint_round round, bool back) {
+        const auto of_kind = [&]<class Joint>(const blocks<Joint>& all) {
+            all.each(
+                tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round, back); }, back);
+            return 0;
+        };
+        // What is assigned last is evaluated first.
+        [[maybe_unused]] int last = 0;
+        if (back) (void)(last = ... = of_kind.template operator()<Joints<S, D>>(*this));
+        else (of_kind.template operator()<Joints<S, D>>(*this), ...);
     }
     template <class Joint>
     void make_blocks(const constraints_type& of, const std::uint32_t* which, const std::uint32_t* on,
@@ -28703,8 +28668,8 @@ private:
     }
     template <class F>
     void each(detail::task_runner& tasks, F&& f) {
-        direct_.each(tasks, [&](auto& b) { f(b, direct_pass_); });
-        (blocks<Joints<S, D>>::each(tasks, [&](auto& b) { f(b, pass_); }), ...);
+        direct_.each(tasks, [&](auto& b) { f(b); });
+        (blocks<Joints<S, D>>::each(tasks, [&](auto& b) { f(b); }), ...);
     }
 
     void find_poses(detail::task_runner& tasks) {
@@ -28720,7 +28685,7 @@ private:
     bodies_type bodies_;
     detail::joint_poses<S, D, rotates> poses_of_;
     detail::joint_pose<S, D, rotates>* poses_;
-    detail::joint_pass<S> pass_, direct_pass_;
+    detail::joint_pass<S> pass_;
     detail::direct_groups<constraints_type, Width> direct_;
 };
 /// The same where there are contacts only.
@@ -28731,7 +28696,7 @@ public:
     explicit joint_solver(const Input&...) {}
     void warm_start(detail::task_runner&) {}
     void update_rows(detail::task_runner&, twist_of<S, D, Features::rotation>*) {}
-    bool solve(detail::task_runner&, bool) { return false; }
+    bool relax(detail::task_runner&, int) { return false; }
     void solve_before_contacts(detail::task_runner&) {}
     void solve_after_contacts(detail::task_runner&) {}
     bool solve_speeds(detail::task_runner&, bool) { return false; }
@@ -29255,8 +29220,8 @@ struct sequential_impulse {
                           Motion&& motion) {
             const S h_sub = h / S(with.substeps), share = S(1) / S(with.substeps);
             detail::task_runner serial;
-            solver_api::joint_solver<Constraints> joints(contacts, bodies, motion, h_sub, S(0.25) / h_sub,
-                                                         S(0.25) / h_sub, S(2), with.max_direct_cost, scratch, serial);
+            solver_api::joint_solver<Constraints> joints(contacts, bodies, motion, h_sub, S(0.25) / h_sub, S(2),
+                                                         with.max_direct_cost, scratch, serial);
             const surfaces of = contacts.surfaces();
             const bool* const has_joint = detail::bodies_of_joints(contacts, bodies, scratch);
             block* blocks = scratch.template allocate<block>(contacts.size());
@@ -29292,7 +29257,7 @@ struct sequential_impulse {
                 integrate_positions(bodies, has_joint, velocity_change, position_velocities,
                                     with.max_depenetration_speed, h_sub, motion);
                 joints.update_rows(serial, nullptr);
-                joints.solve(serial, false);
+                joints.relax(serial, with.iterations);
                 for (std::uint32_t k = 0; k < contacts.size(); ++k) blocks[k].add_up(contacts[k].count);
             }
             for (std::uint32_t i = 0; i < contacts.size(); ++i) blocks[i].store(contacts[i]);
@@ -31543,11 +31508,6 @@ struct soft_step_with {
         static constexpr bool rotates = Features::rotation;
         using settings = soft_step_settings<S>;
         using bodies_type = solver_api::solver_bodies<S, D, rotates>;
-        /// Of rigid joints that are solved round by round: their frequency as a part of the substeps' rate. With
-        /// c = w h (2 zeta + w h) what is far from being solved in a round grows from (w h)^2 = (1 + 2 c) / (1 + c) on:
-        /// here from 0.218.
-        static constexpr double joint_frequency_ratio = 0.2;
-
         /// Advances velocities and poses by h: `motion` offers integrate_velocities(h) and integrate_positions(h),
         /// which adds to their ways; where it takes the velocities with which the substep began as well (see
         /// substep_start), it saves rounds over the bodies; where it tells a usual_step(), contacts are no stiffer than
@@ -31584,8 +31544,7 @@ struct soft_step_with {
             if constexpr (requires { motion.usual_step(); }) usual = motion.usual_step();
             solver_api::joint_solver<Constraints, detail::native_width<S>> joints(
                 contacts, all, motion, h_sub, S(joint_frequency_ratio) / (usual / S(with.substeps)),
-                S(direct_frequency_ratio) / (usual / S(with.substeps)), S(joint_damping_ratio), with.max_direct_cost,
-                scratch, tasks);
+                S(joint_damping_ratio), with.max_direct_cost, scratch, tasks);
             const detail::prepare_input<S, D, Features> prepare_with{
                 S(1) / S(with.substeps), with.restitution_threshold * h, accelerations(motion, all, scratch),
                 contacts.surfaces()};
@@ -31633,7 +31592,7 @@ struct soft_step_with {
                     blocks.each_of_joints(tasks, [bodies, first, &released](std::uint32_t k) {
                         kernels::solve(first[k], bodies, released);
                     });
-                joints.solve(tasks, false);
+                joints.relax(tasks, 1);
                 blocks.each(tasks,
                             [bodies, first, &relaxed](std::uint32_t k) { kernels::solve(first[k], bodies, relaxed); });
                 if constexpr (Features::restitution)
@@ -31655,8 +31614,8 @@ struct soft_step_with {
     private:
         static constexpr int width = Width;
         static constexpr std::uint32_t none = detail::null_index;
-        /// The same of those that are solved directly, which no round limits; and the damping ratio of both.
-        static constexpr double direct_frequency_ratio = 0.25, joint_damping_ratio = 2;
+        /// As what springs rigid joints take errors back: the frequency as a part of the substeps' rate.
+        static constexpr double joint_frequency_ratio = 0.25, joint_damping_ratio = 2;
         using turning_block = detail::soft_contact<S, D, width, Features, Friction>;
         using block = std::conditional_t<rotates, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
         using kernels = Kernels<block>;
@@ -32196,12 +32155,11 @@ struct stored_joint {
     S substep{};
     [[no_unique_address]] fixed_list<S, Joint::row_count> sum{};
     S step{};
-    bool is_iterated = false;
     /// Of joints that count their turns.
     [[no_unique_address]] angle_list<Joint, S> turned{};
     /// Its record.
     std::uint32_t number = 0;
-    PHYSICS_HPP_MEMBERS(joint, impulse, substep, sum, step, is_iterated, turned, number)
+    PHYSICS_HPP_MEMBERS(joint, impulse, substep, sum, step, turned, number)
 };
 /// A joint that broke, and what it gave in that step.
 template <class S, int D>
@@ -32360,7 +32318,6 @@ void publish_joints(step_joints<S, D, Joints>& found, S h, joint_set<S, D, Joint
             for (int k = 0; k < Joint::row_count; ++k) of_kind[j.slot].sum[k] = j.sum[k];
             of_kind[j.slot].substep = j.substep;
             of_kind[j.slot].step = h;
-            of_kind[j.slot].is_iterated = j.is_iterated;
             of_kind[j.slot].turned = j.turned;
         }
     });
@@ -39676,7 +39633,6 @@ public:
         add(j.substep);
         for (const S sum : j.sum) add(sum);
         add(j.step);
-        add(j.is_iterated);
         for (const auto& turned : j.turned) {
             add(turned.angle);
             add(std::uint64_t{static_cast<std::uint32_t>(turned.turns)});
@@ -41945,7 +41901,7 @@ PHYSICS_HPP_END
 // =================================================================================================
 // physics/world/substeps.hpp
 // =================================================================================================
-// How many substeps contacts and joints need to give way by no more than a length.
+// How many substeps contacts need to give way by no more than a length.
 
 PHYSICS_HPP_BEGIN
 
@@ -41988,82 +41944,13 @@ double largest_load(const state<Plan>& s) {
     return largest;
 }
 
-/// J_p M^-1 J_q of two rows of a joint, as far as one of its bodies goes.
-template <class S, int D, bool Rotates>
-double inverse_mass_between([[maybe_unused]] const body<S, D, Rotates>& b, const vec<S, D>& along_p,
-                            const vec<S, D>& along_q, [[maybe_unused]] const angular<S, D>& about_p,
-                            [[maybe_unused]] const angular<S, D>& about_q) {
-    if (!b.is_dynamic()) return 0;
-    double sum = to_double(b.inverse_mass) * dot(to_point(along_p), to_point(along_q));
-    if constexpr (Rotates) {
-        const auto inverse = converted<double>(in_world(b.inverse_inertia, b.rotation));
-        if constexpr (D == 2) sum += to_double(about_p) * inverse * to_double(about_q);
-        else sum += dot(to_point(about_p), times(inverse, to_point(about_q)));
-    }
-    return sum;
-}
-/// The same as largest_load of one joint: of the rows that hold points together, the length of J M^-1 J^T F.
-template <class Joint, class S, int D, bool Rotates>
-double load_of(const stored_joint<Joint, S>& j, const body<S, D, Rotates>& a, const body<S, D, Rotates>& b) {
-    constexpr bool two = has_two_directions<Joint>();
-    auto at = frames_between<Joint>(a, b);
-    const auto turned = count_turns(j.joint, at, j.turned);
-    at.turned = turned.begin();
-    row_list<S, D, Joint::row_count, two> rows;
-    rows_of(j.joint, at, rows.target());
-    const auto along_a = [&](int k) {
-        if constexpr (two) return rows.of_a[k];
-        else return rows.row[k].direction;
-    };
-    double squares = 0;
-    for (int i = 0; i < Joint::row_count; ++i) {
-        const auto& p = rows.row[i];
-        if (p.direction == vec<S, D>{} || !p.is_on() || p.is_spring() || p.is_motor) continue;
-        // Limits that nothing has reached.
-        if (p.is_bounded() && j.sum[i] == S(0)) continue;
-        double sum = 0;
-        for (int k = 0; k < Joint::row_count; ++k) {
-            const auto& q = rows.row[k];
-            sum += to_double(j.sum[k]) * (inverse_mass_between(a, along_a(i), along_a(k), p.angular_a, q.angular_a) +
-                                          inverse_mass_between(b, p.direction, q.direction, p.angular_b, q.angular_b));
-        }
-        squares += sum * sum;
-    }
-    return sqrt(squares) / to_double(j.step);
-}
-/// The largest of joints that were solved round by round.
-template <class Plan>
-double largest_joint_load([[maybe_unused]] const state<Plan>& s) {
-    double largest = 0;
-    if constexpr (Plan::has_joints) {
-        using S = typename Plan::scalar;
-        s.joints.each_kind(s.joints, [&]<class Joint>(std::uint32_t, const pool<stored_joint<Joint, S>>& of_kind) {
-            if constexpr (Joint::row_count > 0)
-                of_kind.each([&](std::uint32_t, const stored_joint<Joint, S>& j) {
-                    const joint_record& record = s.joints.records[j.number];
-                    if (record.holds() && j.is_iterated && j.step > S(0))
-                        largest = max(largest, load_of(j, s.bodies[record.body_a], s.bodies[record.body_b]));
-                });
-        });
-    }
-    return largest;
-}
-
-/// Of joints, as a part of the substeps' rate; 1 where there are none.
-template <class Plan>
-constexpr double joint_frequency_ratio(const state<Plan>&) {
-    if constexpr (Plan::has_joints) return Plan::solver::joint_frequency_ratio;
-    else return 1;
-}
-
 }  // namespace detail
 
-/// The least number of substeps at which no contact and no joint of a world gives way to what pushed or pulled in the
-/// last step by more than tolerance (m), as those of the soft step do: by F / (m omega^2), omega being their part of
-/// the substeps' rate. Joints that are solved directly (max_direct_cost) do not give way. Of what rests it is exact, if
-/// its rounds could hold it in the last step; what lands or swings gives way further. Springs and motors are meant to.
-/// At least 1; 0 if there is none, for a frequency_cap. Refuses tolerances that are not positive. O(contacts + joints).
-/// Source: Catto, Soft constraints (GDC 2011).
+/// The least number of substeps at which no contact of a world gives way to what pushed in the last step by more than
+/// tolerance (m), as those of the soft step do: by F / (m omega^2), omega being their part of the substeps' rate.
+/// Joints do not give way. Of what rests it is exact, if its rounds could hold it in the last step; what lands gives
+/// way further. At least 1; 0 if there is none, for a frequency_cap. Refuses tolerances that are not positive.
+/// O(contacts). Source: Catto, Soft constraints (GDC 2011).
 template <class Recipe>
     requires requires(const typename world<Recipe>::settings_type& with) { with.solver.contact_frequency_ratio; }
 [[nodiscard]] int substeps_for(const world<Recipe>& of, typename world<Recipe>::scalar tolerance) {
@@ -42071,13 +41958,10 @@ template <class Recipe>
     const auto& s = detail::world_access::data_of(of);
     return detail::scoped([&] {
         const auto& with = s.settings.solver;
-        const auto hertz_for = [&](double load) {
-            return sqrt(load / detail::to_double(tolerance)) / 6.283185307179586;
-        };
-        const double hertz = hertz_for(detail::largest_load(s)), cap = detail::to_double(with.frequency_cap),
-                     usual = detail::to_double(s.step_lengths.usual),
-                     of_joints = hertz_for(detail::largest_joint_load(s)) * usual / detail::joint_frequency_ratio(s),
-                     count = max(hertz * usual / detail::to_double(with.contact_frequency_ratio), of_joints);
+        const double load = detail::largest_load(s),
+                     hertz = sqrt(load / detail::to_double(tolerance)) / 6.283185307179586,
+                     cap = detail::to_double(with.frequency_cap), usual = detail::to_double(s.step_lengths.usual),
+                     count = hertz * usual / detail::to_double(with.contact_frequency_ratio);
         if ((cap > 0 && hertz > cap) || !(count < 1e9)) return 0;
         const int below = static_cast<int>(count);
         return below < 1 ? 1 : count - below > 1e-9 ? below + 1 : below;

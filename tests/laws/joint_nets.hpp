@@ -149,42 +149,41 @@ CELL_CASE("joint nets: what is met stays at rest round by round too") {
     SUBCASE("sequential_impulse") { rounds_stay_bounded<split>(0, 7, rest); }
 }
 CELL_CASE("joint nets: what cannot all be met does not whirl round by round") {
-    SUBCASE("soft_step") { rounds_stay_bounded<plain>(0.1, 5, 100); }
-    SUBCASE("sequential_impulse") { rounds_stay_bounded<split>(0.1, 5, 100); }
+    SUBCASE("soft_step") { rounds_stay_bounded<plain>(0.1, 7, 0.5); }
+    SUBCASE("sequential_impulse") { rounds_stay_bounded<split>(0.1, 7, 0.5); }
 }
-/// By what factor the energy of a net grows at most that is struck along lines, and that nothing drives; without that
-/// of spins.
-inline double energy_gain(int seed, int substeps) {
-    split w = falling<split>(substeps, 0);
+/// By what factor the kinetic energy of a net grows at most that is struck along lines, and that nothing drives.
+template <class World>
+double energy_gain(int seed, int substeps) {
+    World w = falling<World>(substeps, 0);
     std::vector<body_id> all = add_net(w, {.is_direct = false}, seed);
+    auto settings = w.settings();
+    settings.sleeping.enabled = false;
+    if constexpr (requires { settings.solver.iterations; }) settings.solver.iterations = 1 + seed % 9;
+    w.set_settings(settings);
     all.erase(all.begin(), all.begin() + 2);
-    const auto energy = [&] {
-        double sum = 0;
-        for (const body_id b : all) {
-            const double speed = length_of(w.linear_velocity(b));
-            sum += number(w.mass(b).mass) * speed * speed / 2;
-        }
-        return sum;
-    };
     cell::dice dice(static_cast<std::uint64_t>(seed));
     for (const body_id b : all) w.set_linear_velocity(b, dice.vec<vec>(-0.01, 0.01));
-    const double before = energy();
+    const double before = w.energy().kinetic;
     double most = 0;
     for (int i = 0; i < 120; ++i) {
         w.step(S(1.0 / 60));
-        most = std::max(most, energy());
+        most = std::max(most, w.energy().kinetic);
     }
     return most / before;
 }
-// The bound tells nets that whirl from others, and is not that of physics: of 100 in double 2D, one or two gain up to
-// twofold, of which the cause is not known. Where passes over joints went one way only, 15 to 34 gained more than four.
-CELL_CASE("joint nets: what is struck does not whirl round by round, at any substeps") {
+template <class World>
+void rounds_gain_nothing() {
     for (const int substeps : {1, 4, 16, 64})
         for (int seed = 0; seed < (cell::is_sanitized ? 3 : 20); ++seed) {
             CAPTURE(substeps);
             CAPTURE(seed);
-            CHECK(energy_gain(seed, substeps) < 4);
+            CHECK(energy_gain<World>(seed, substeps) < 1.001);
         }
+}
+CELL_CASE("joint nets: what is struck gains no energy round by round, at any substeps") {
+    SUBCASE("soft_step") { rounds_gain_nothing<plain>(); }
+    SUBCASE("sequential_impulse") { rounds_gain_nothing<split>(); }
 }
 CELL_CASE("joint nets: motors go no faster than they drive the levers") {
     SUBCASE("trees") { nets_stay_bounded<plain>({.is_tree = true, .has_motors = true}, 1000, 1000); }

@@ -225,7 +225,7 @@ std::vector<physics::solver_api::solver_body<S, D>> solved(std::uint64_t seed, i
         if (i % 3 == 1) kinds[i].frequency = S(3), kinds[i].min_length = S(0.25);
         if (i % 3 == 2) kinds[i].min_length = S(0);
         all.push_back(
-            {&kinds[i], {{}, {}, {}, {}, dice.vec<vec>(-2, 2)}, {S(0.5), S(0.25), S(0.125)}, S(1.0 / 128), false, i});
+            {&kinds[i], {{}, {}, {}, {}, dice.vec<vec>(-2, 2)}, {S(0.5), S(0.25), S(0.125)}, S(1.0 / 128), i});
         const auto a = static_cast<std::uint32_t>(dice.below(bodies));
         ends.push_back({a, (a + 1 + static_cast<std::uint32_t>(dice.below(bodies - 1))) % bodies});
         numbers.push_back(i);
@@ -237,17 +237,18 @@ std::vector<physics::solver_api::solver_body<S, D>> solved(std::uint64_t seed, i
     const physics::solver_api::solver_bodies<S, D> seen{b.data(), bodies + 2};
     const S h(1.0 / 256);
     std::vector<physics::twist<S, D>> starts(bodies + 2);
-    physics::solver_api::joint_solver<constraints, Width> solver(c, seen, nullptr, h, S(64), S(64), S(2),
-                                                                 max_direct_cost, scratch, alone);
+    physics::solver_api::joint_solver<constraints, Width> solver(c, seen, nullptr, h, S(64), S(2), max_direct_cost,
+                                                                 scratch, alone);
     for (int i = 0; i < 4; ++i) {
         if (i % 2 == 0) solver.warm_start(alone);
-        solver.solve(alone, true);
+        solver.solve_before_contacts(alone);
+        solver.solve_after_contacts(alone);
         for (auto& one : b) {
             one.displacement.linear += one.velocity.linear * h;
             one.displacement.angular += one.velocity.angular * h;
         }
         solver.update_rows(alone, i % 2 == 0 ? starts.data() : nullptr);
-        solver.solve(alone, false);
+        solver.relax(alone, i);
     }
     solver.store_impulses(alone);
     for (const auto& start : starts) {
@@ -304,10 +305,10 @@ CELL_CASE("joints: a pass without bias ends all speed along a rod, and nothing e
         physics::detail::task_runner alone;
         physics::buffer<physics::solver_api::contact<S, D, physics::without<>>> none;
         const constraints c({none, scratch}, {&j, &number_of, 0, &ends, 1});
-        physics::solver_api::joint_solver<constraints> solver(c, {b, 4}, nullptr, S(1.0 / 64), S(16), S(16), S(2),
+        physics::solver_api::joint_solver<constraints> solver(c, {b, 4}, nullptr, S(1.0 / 64), S(16), S(2),
                                                               n % 2 == 0 ? 0 : 256, scratch, alone);
         solver.warm_start(alone);
-        solver.solve(alone, false);
+        solver.relax(alone, n / 2);
         const vec v = velocity_at(b[1].velocity, rod.anchor_b) - velocity_at(b[0].velocity, rod.anchor_a);
         const auto square = [](const vec& x) { return number(dot(x, x)); };
         const double speed = std::abs(number(dot(before, line))) / length_of(line),

@@ -164,13 +164,13 @@ struct blocks_by_colour {
         return last_is_serial && group + 1 == colours ? 1 : edges_a_block;
     }
 
-    /// Calls f(block's number) for all, colour by colour.
+    /// Calls f(block's number) for all, colour by colour, or from the last to the first.
     template <class F>
-    void each(task_runner& tasks, const F& f) const {
+    void each(task_runner& tasks, const F& f, bool back = false) const {
         if (!tasks.is_serial())
-            return each_in_parallel(tasks, &f,
-                                    [](const void* of, std::uint32_t k) { (*static_cast<const F*>(of))(k); });
-        for (std::uint32_t k = 0; k < count(); ++k) f(k);
+            return each_in_parallel(
+                tasks, &f, [](const void* of, std::uint32_t k) { (*static_cast<const F*>(of))(k); }, back);
+        for (std::uint32_t k = 0; k < count(); ++k) f(back ? count() - 1 - k : k);
     }
     /// The same for those that push bodies of joints.
     template <class F>
@@ -197,13 +197,16 @@ struct blocks_by_colour {
 
 private:
     /// Once for whatever there is to call, as it is called for blocks.
-    void each_in_parallel(task_runner& tasks, const void* f, void (*call)(const void*, std::uint32_t)) const {
-        for (std::uint32_t group = 0; group < colours; ++group) {
+    void each_in_parallel(task_runner& tasks, const void* f, void (*call)(const void*, std::uint32_t),
+                          bool back) const {
+        for (std::uint32_t i = 0; i < colours; ++i) {
+            const std::uint32_t group = back ? colours - 1 - i : i;
             const std::uint32_t from = begin[group], size = begin[group + 1] - from;
             const bool is_serial = last_is_serial && group + 1 == colours;
             tasks.parallel_for(size, is_serial ? size : share,
                                [=](std::uint32_t start, std::uint32_t end, std::uint32_t) {
-                                   for (std::uint32_t k = start; k < end; ++k) call(f, from + k);
+                                   for (std::uint32_t k = start; k < end; ++k)
+                                       call(f, from + (back ? size - 1 - k : k));
                                });
         }
     }

@@ -17,8 +17,6 @@ struct step_joint {
     /// What its rows gave in a substep of that length (N s, s); 0 of joints that are new.
     [[no_unique_address]] detail::fixed_list<S, Joint::row_count> impulse{};
     S substep{};
-    /// Whether it was solved round by round, not with all of its island at once.
-    bool is_iterated = false;
     /// Which of the world's joints of its kind it is.
     std::uint32_t slot = 0;
     /// Of joints that count their turns.

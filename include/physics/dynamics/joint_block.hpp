@@ -35,8 +35,6 @@ public:
         joints_[lane] = &joint;
         a_.put(lane, ends.a, bodies);
         b_.put(lane, ends.b, bodies);
-        far_error_[lane] =
-            S(0.01 * sqrt(own_lever_of(bodies[ends.a], bodies[ends.b]) + length_squared_of(joint.start.between)));
         if constexpr (can_hold_points) points_.put(lane, joint.start, joint.joint->points());
         each_row([&](row& r, int k) { r.impulse[lane] = first_impulse(joint, k, h); });
     }
@@ -60,7 +58,7 @@ public:
     /// Writes the rows anew after bodies have moved. Of what the substep gave, the next one is to begin with the same
     /// impulses along the new rows: starts (v - what it begins with) change by the difference.
     void update_rows(body* bodies, const pose* poses, const joint_pass<S>& with, twist_of<S, D, Rotates>* starts) {
-        if (is_any_far_ || is_corrected_) {
+        if (is_corrected_) {
             lanes of_a, of_b;
             load(bodies, of_a, of_b);
             each_row([&](row& r, int) { r.take_correction_back(a_, b_, of_a, of_b); });
@@ -79,17 +77,14 @@ public:
     void solve(body* bodies, const joint_pass<S>& with, joint_round round, bool back) {
         lanes of_a, of_b;
         load(bodies, of_a, of_b);
-        const P far_lanes = P::load(is_far_);
-        const P* const far = is_any_far_ ? &far_lanes : nullptr;
         if constexpr (shared == 0) {
-            for (int i = 0; i < count_; ++i)
-                rows_[back ? count_ - 1 - i : i].solve(with, round, a_, b_, of_a, of_b, far);
+            for (int i = 0; i < count_; ++i) rows_[back ? count_ - 1 - i : i].solve(with, round, a_, b_, of_a, of_b);
         } else {
             for (int i = 0, n; i < count_; i += n) {
                 int first = back ? count_ - 1 - i : i;
                 while ((n = rows_together(shared, kind_row_[first])) == 0) --first;
                 if (n > 1) solve_together(first, n, with, round, of_a, of_b);
-                else rows_[first].solve(with, round, a_, b_, of_a, of_b, far);
+                else rows_[first].solve(with, round, a_, b_, of_a, of_b);
             }
         }
         is_corrected_ = is_corrected_ || round == joint_round::corrections;
@@ -108,7 +103,6 @@ public:
             });
             detail::store_impulses(
                 *joints_[lane], h, [&](int k) { return given[k]; }, [&](int k) { return sum[k]; });
-            joints_[lane]->is_iterated = true;
         }
     }
 
@@ -149,28 +143,10 @@ private:
                 if (joints_[lane] != nullptr) write_lane(lane, poses, with);
         }
         each_row([&](row& r, int) { r.finish(a_, b_, with); });
-        find_far();
     }
     bool write_points([[maybe_unused]] const pose* poses) {
         if constexpr (can_hold_points) return holds_points_ && points_.write(rows_, a_, b_, poses);
         else return false;
-    }
-    /// Where errors are larger than a hundredth of what joints measure.
-    void find_far() {
-        const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
-        P far = zero;
-        each_row([&](row& r, int) {
-            zero.store(r.correction);
-            P pulls = zero, error = lane_abs(P::load(r.error));
-            for (int i = 0; i < D; ++i) pulls = pulls + lane_abs(P::load(r.direction[i]));
-            // Of what has room or gives in, the error says nothing.
-            if (r.is_one_sided) error = select_greater(P::load(r.one_sided) * P::load(r.error), zero, zero, error);
-            if (r.has_spring) error = select_greater(P::load(r.spring), zero, zero, error);
-            const P limit = select_greater(pulls, zero, P::load(far_error_) * pulls, P::broadcast(S(0.01)));
-            far = max(far, select_greater(error, limit, one, zero));
-        });
-        far.store(is_far_);
-        is_any_far_ = greater(far, zero).bits() != 0;
     }
     PHYSICS_HPP_NOINLINE void write_lane(int lane, const pose* poses, const joint_pass<S>& with) {
         row_list<S, D, Joint::row_count, has_two_directions<Joint>()> rows;
@@ -180,10 +156,7 @@ private:
     }
 
     step_joint<Joint, S, D>* joints_[W] = {};
-    /// From which errors on joints are far from what they hold (m; of angles it is 0.01), and where they are (1, else
-    /// 0).
-    S far_error_[W] = {}, is_far_[W] = {};
-    bool is_any_far_ = false, is_corrected_ = false;
+    bool is_corrected_ = false;
     pushed_lanes<S, D, Rotates, W> a_, b_;
     [[no_unique_address]] std::conditional_t<can_hold_points, point_lanes<S, D, Rotates, W>, no_points> points_;
     bool holds_points_ = false;

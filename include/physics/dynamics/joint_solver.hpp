@@ -52,13 +52,9 @@ public:
         });
     }
     template <class F>
-    void each(task_runner& tasks, F&& f) const {
-        blocks_.each(tasks, [&](std::uint32_t k) { f(first_[k]); });
-    }
-    /// The same from the last to the first, by this thread.
-    template <class F>
-    void each_back(F&& f) const {
-        for (std::uint32_t k = blocks_.count(); k > 0; --k) f(first_[k - 1]);
+    void each(task_runner& tasks, F&& f, bool back = false) const {
+        blocks_.each(
+            tasks, [&](std::uint32_t k) { f(first_[k]); }, back);
     }
 
 private:
@@ -196,9 +192,15 @@ namespace solver_api {
 
 /// Solves the joints among some constraints, Width at a time; every width gives the same bits, and so does every number
 /// of workers. A solver makes one as its step begins, and calls in each substep warm_start once velocities have
-/// advanced, solve with bias, update_rows once poses have, and solve without bias; in the end store_impulses. Rows are
+/// advanced, solve_speeds and correct, update_rows once poses have, and relax; in the end store_impulses. Rows are
 /// written where bodies are after each of their moves, so that no pair of forces has a moment: that keeps angular
 /// momentum. Costs nothing where there are no joints.
+///
+/// Joints that are not solved directly are visited one by one, from the first to the last or back. What a substep
+/// leaves of an error of speeds, E, has to be that of passes that read the same from either end, relax included: with
+/// impulses kept from substep to substep the error turns by [[E, E], [E - 1, E]], which is stable where eigenvalues of
+/// E lie in 0..1, as those of such passes do, and not always where they are complex: nets of heavy and light bodies
+/// would gain speed. Impulses of correct are taken back once bodies have moved, so that speeds know nothing of them.
 template <class Constraints, int Width = 1>
 class joint_solver;
 template <class S, int D, class Features, template <class, int> class... Joints, int Width>
@@ -212,19 +214,18 @@ public:
     using bodies_type = solver_bodies<S, D, Features::rotation>;
     static constexpr bool rotates = Features::rotation;
 
-    /// For substeps of h seconds; rigid joints are springs of that frequency (Hz) and damping ratio, and those that
-    /// are solved directly take errors back as springs of the other frequency would. A motion that has
+    /// For substeps of h seconds; rigid joints take errors back as springs of that frequency (Hz) and damping ratio
+    /// would, but do not sag. A motion that has
     /// find_rotation(body, pose, velocity, h) is asked how bodies are turned. Joints are solved directly where that
     /// takes up to max_direct_cost multiplications a row. Of bodies of others inertias are raised for the step, see
     /// raise_inertias: contacts are to be prepared after that.
     template <class Motion>
     joint_solver(const constraints_type& of, bodies_type bodies, const Motion& motion, S h, S frequency,
-                 S direct_frequency, S damping_ratio, int max_direct_cost, arena& scratch, detail::task_runner& tasks)
+                 S damping_ratio, int max_direct_cost, arena& scratch, detail::task_runner& tasks)
         : bodies_(bodies),
           poses_of_(bodies, motion),
           poses_(scratch.allocate<detail::joint_pose<S, D, rotates>>(bodies.count)),
-          pass_{h, S(1) / h, detail::softness<S>::of(frequency, damping_ratio, h)},
-          direct_pass_{h, S(1) / h, detail::softness<S>::of(direct_frequency, damping_ratio, h)} {
+          pass_{h, S(1) / h, detail::softness<S>::of(frequency, damping_ratio, h)} {
         find_poses(tasks);
         const std::uint32_t *which[sizeof...(Joints)] = {}, *on[sizeof...(Joints)] = {};
         std::uint32_t counts[sizeof...(Joints)] = {}, kind = 0;
@@ -239,66 +240,57 @@ public:
     }
     /// Gives bodies what the last substep gave.
     void warm_start(detail::task_runner& tasks) {
-        each(tasks, [this](auto& b, const auto& pass) { b.warm_start(bodies_.first, poses_, pass); });
+        each(tasks, [this](auto& b) { b.warm_start(bodies_.first, poses_, pass_); });
     }
     /// Says that bodies have moved. A solver that gives them in the next substep all that they have got in this one,
     /// v - start_velocity, hands these in, and does not warm-start again: what joints gave turns with them.
     void update_rows(detail::task_runner& tasks, twist_of<S, D, Features::rotation>* start_velocity) {
         find_poses(tasks);
-        each(tasks,
-             [=, this](auto& b, const auto& pass) { b.update_rows(bodies_.first, poses_, pass, start_velocity); });
+        each(tasks, [=, this](auto& b) { b.update_rows(bodies_.first, poses_, pass_, start_velocity); });
     }
-    /// One pass over the joints; true if there are kinds of them. With bias, contacts that are visited after it answer
-    /// to what takes errors back, and may throw what is joined: solvers better use one of the pairs below for it.
-    bool solve(detail::task_runner& tasks, bool use_bias) {
-        return solve(tasks, use_bias ? detail::joint_round::all : detail::joint_round::relaxing);
+    /// Speeds and springs, from the first joint to the last or back; true if there are kinds of them.
+    bool solve_speeds(detail::task_runner& tasks, bool back) { return solve(tasks, detail::joint_round::speeds, back); }
+    /// Then, before bodies move, the errors.
+    bool correct(detail::task_runner& tasks, bool back) { return solve(tasks, detail::joint_round::corrections, back); }
+    /// Speeds where bodies are after the move, without springs. Of so many passes of solve_speeds, there and back in
+    /// turn, it makes ones that read the same from either end: by a pass back, and where they are even one before it.
+    bool relax(detail::task_runner& tasks, int passes) {
+        if (passes % 2 == 0) solve_iterative(tasks, detail::joint_round::relaxing_first, false);
+        return solve(tasks, detail::joint_round::relaxing, true);
     }
-    /// The same as solve with bias in two calls, around one pass over contacts: joints that are solved directly hold
-    /// exactly when bodies move, whatever contacts do. The first call costs them nothing where there are no contacts.
+    /// The same as solve_speeds and correct around one pass over contacts: joints that are solved directly hold exactly
+    /// when bodies move, whatever contacts do. The first call costs these nothing where there are no contacts.
     void solve_before_contacts(detail::task_runner& tasks) {
         solve_direct(tasks, detail::joint_round::before_contacts);
-        solve_iterative(tasks, detail::joint_round::all);
+        solve_iterative(tasks, detail::joint_round::speeds, false);
     }
-    void solve_after_contacts(detail::task_runner& tasks) { solve_direct(tasks, detail::joint_round::all); }
-    /// The same for solvers that go over contacts several times in between. First speeds and springs, an even number of
-    /// times, every other time from the last joint back to the first. Passes in one direction may have complex
-    /// eigenvalues, with which warm starting makes nets of heavy and light bodies gain speed.
-    bool solve_speeds(detail::task_runner& tasks, bool back) {
-        return back ? solve_back(tasks, detail::joint_round::speeds) : solve(tasks, detail::joint_round::speeds);
-    }
-    /// Then, before bodies move, the errors; joints that are not solved directly take all of them back in several
-    /// passes only, in both directions.
-    bool correct(detail::task_runner& tasks, bool back) {
-        return back ? solve_back(tasks, detail::joint_round::corrections)
-                    : solve(tasks, detail::joint_round::corrections);
+    void solve_after_contacts(detail::task_runner& tasks) {
+        solve_iterative(tasks, detail::joint_round::corrections, false);
+        solve_direct(tasks, detail::joint_round::all);
     }
     void store_impulses(detail::task_runner& tasks) {
-        each(tasks, [this](auto& b, const auto& pass) { b.store_impulses(poses_, pass.h); });
+        each(tasks, [this](auto& b) { b.store_impulses(poses_, pass_.h); });
     }
 
 private:
-    bool solve(detail::task_runner& tasks, detail::joint_round round) {
+    bool solve(detail::task_runner& tasks, detail::joint_round round, bool back) {
         solve_direct(tasks, round);
-        solve_iterative(tasks, round);
-        return true;
-    }
-    bool solve_back(detail::task_runner& tasks, detail::joint_round round) {
-        solve_direct(tasks, round);
-        // What is assigned last is evaluated first.
-        [[maybe_unused]] int last = 0;
-        (void)(last = ... = solve_kind_back<Joints<S, D>>(round));
+        solve_iterative(tasks, round, back);
         return true;
     }
     void solve_direct(detail::task_runner& tasks, detail::joint_round round) {
-        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, direct_pass_, round); });
+        direct_.each(tasks, [=, this](auto& b) { b.solve(bodies_.first, poses_of_, pass_, round); });
     }
-    void solve_iterative(detail::task_runner& tasks, detail::joint_round round) {
-        (blocks<Joints<S, D>>::each(tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round, false); }), ...);
-    }
-    template <class Joint>
-    int solve_kind_back(detail::joint_round round) {
-        blocks<Joint>::each_back([=, this](auto& b) { b.solve(bodies_.first, pass_, round, true); });
-        return 0;
+    void solve_iterative(detail::task_runner& tasks, detail::joint_round round, bool back) {
+        const auto of_kind = [&]<class Joint>(const blocks<Joint>& all) {
+            all.each(
+                tasks, [=, this](auto& b) { b.solve(bodies_.first, pass_, round, back); }, back);
+            return 0;
+        };
+        // What is assigned last is evaluated first.
+        [[maybe_unused]] int last = 0;
+        if (back) (void)(last = ... = of_kind.template operator()<Joints<S, D>>(*this));
+        else (of_kind.template operator()<Joints<S, D>>(*this), ...);
     }
     template <class Joint>
     void make_blocks(const constraints_type& of, const std::uint32_t* which, const std::uint32_t* on,
@@ -307,8 +299,8 @@ private:
     }
     template <class F>
     void each(detail::task_runner& tasks, F&& f) {
-        direct_.each(tasks, [&](auto& b) { f(b, direct_pass_); });
-        (blocks<Joints<S, D>>::each(tasks, [&](auto& b) { f(b, pass_); }), ...);
+        direct_.each(tasks, [&](auto& b) { f(b); });
+        (blocks<Joints<S, D>>::each(tasks, [&](auto& b) { f(b); }), ...);
     }
 
     void find_poses(detail::task_runner& tasks) {
@@ -324,7 +316,7 @@ private:
     bodies_type bodies_;
     detail::joint_poses<S, D, rotates> poses_of_;
     detail::joint_pose<S, D, rotates>* poses_;
-    detail::joint_pass<S> pass_, direct_pass_;
+    detail::joint_pass<S> pass_;
     detail::direct_groups<constraints_type, Width> direct_;
 };
 /// The same where there are contacts only.
@@ -335,7 +327,7 @@ public:
     explicit joint_solver(const Input&...) {}
     void warm_start(detail::task_runner&) {}
     void update_rows(detail::task_runner&, twist_of<S, D, Features::rotation>*) {}
-    bool solve(detail::task_runner&, bool) { return false; }
+    bool relax(detail::task_runner&, int) { return false; }
     void solve_before_contacts(detail::task_runner&) {}
     void solve_after_contacts(detail::task_runner&) {}
     bool solve_speeds(detail::task_runner&, bool) { return false; }

@@ -10,9 +10,16 @@ PHYSICS_HPP_BEGIN
 
 namespace detail {
 
-/// What a round over joints is for: speeds, with springs or without; to take errors back; speeds and errors at once; or
-/// speeds of what has contacts, before these are visited.
-enum class joint_round : std::uint8_t { relaxing = 0, speeds = 1, corrections = 2, all = 3, before_contacts = 5 };
+/// What a round over joints is for: speeds, with springs or without; to take errors back; speeds and errors at once;
+/// speeds without springs before the last round of a substep; or speeds of what has contacts, before these are visited.
+enum class joint_round : std::uint8_t {
+    relaxing = 0,
+    speeds = 1,
+    corrections = 2,
+    all = 3,
+    relaxing_first = 4,
+    before_contacts = 5
+};
 constexpr bool has_springs(joint_round r) { return (static_cast<unsigned>(r) & 1) != 0; }
 constexpr bool has_errors(joint_round r) { return (static_cast<unsigned>(r) & 2) != 0; }
 
@@ -165,7 +172,7 @@ struct row_lanes : own_directions<S, D, W, Two> {
     S mass[W], impulse[W];
     /// By which angular velocities change for an impulse of 1.
     I response_a[array][W], response_b[array][W];
-    /// What of the impulse took the error back, where that is to be taken back itself.
+    /// What of the impulse took the error back, which is to be taken back itself.
     S correction[W];
     /// Of all substeps together.
     S total[W];
@@ -294,27 +301,24 @@ struct row_lanes : own_directions<S, D, W, Two> {
         return is_one_sided ? select_greater(P::load(one_sided), zero, max(P::load(error), zero), zero) : zero;
     }
     /// Visits it alone. Of what others have a part in, the bound is left to them. Springs act once in a substep, as
-    /// forces do: rounds without them leave them alone. It keeps by what errors are taken back: in rounds for nothing
-    /// else, and of lanes that are `far` (1, else 0).
+    /// forces do: rounds without them leave them alone. It keeps by what rounds for errors take them back; loads do not
+    /// sag in these.
     template <bool IsBounded = true>
-    void solve(const joint_pass<S>& with, joint_round round, const side& a, const side& b, lanes& of_a, lanes& of_b,
-               [[maybe_unused]] const P* far = nullptr) {
+    void solve(const joint_pass<S>& with, joint_round round, const side& a, const side& b, lanes& of_a, lanes& of_b) {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         const P before = P::load(impulse), v = speed_of(of_a, of_b) - P::load(speed);
         P left = one, bias = zero, lost = zero;
-        const bool springs = has_springs(round), errors = has_errors(round);
-        if (errors || (springs && has_spring)) {
-            left = P::load(share);
-            bias = P::load(error) * P::load(push);
-            lost = P::load(loss);
-        }
-        if (has_spring && springs != errors) {
-            const P is_spring = P::load(spring), in = springs ? is_spring : one - is_spring;
-            left = select_greater(in, zero, left, springs ? one : zero);
-            bias = bias * in;
-            lost = lost * in;
-        } else if (has_spring && !springs) {
-            left = one - P::load(spring);
+        if (has_errors(round)) bias = P::load(error) * P::load(push);
+        if (has_spring) {
+            const P spring_lanes = P::load(spring), rigid_lanes = one - spring_lanes;
+            if (has_springs(round)) {
+                left = select_greater(spring_lanes, zero, P::load(share), one);
+                bias = P::load(error) * P::load(push) * spring_lanes;
+                lost = P::load(loss) * spring_lanes;
+            } else {
+                left = rigid_lanes;
+                bias = bias * rigid_lanes;
+            }
         }
         if (is_one_sided) {
             const P free = room();
@@ -327,19 +331,14 @@ struct row_lanes : own_directions<S, D, W, Two> {
         const P next = IsBounded ? max(min(wanted, P::load(high)), P::load(low)) : wanted;
         apply(next - before, a, b, of_a, of_b);
         next.store(impulse);
-        if (!IsBounded || !errors) return;
-        if (!springs) return (P::load(correction) + (next - before)).store(correction);
-        if (far == nullptr) return;
-        P is_rigid = has_spring ? one - P::load(spring) : one;
-        if (is_one_sided) is_rigid = select_greater(room(), zero, zero, is_rigid);
-        const P without = max(min(before - P::load(mass) * left * v - lost * before, P::load(high)), P::load(low));
-        ((next - without) * is_rigid * *far).store(correction);
+        if (IsBounded && has_errors(round)) (P::load(correction) + (next - before)).store(correction);
     }
     /// Takes back by what solve has taken errors back.
     void take_correction_back(const side& a, const side& b, lanes& of_a, lanes& of_b) {
         const P before = P::load(impulse), next = max(min(before - P::load(correction), P::load(high)), P::load(low));
         apply(next - before, a, b, of_a, of_b);
         next.store(impulse);
+        P::broadcast(S(0)).store(correction);
     }
 
 private:

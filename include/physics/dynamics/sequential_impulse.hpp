@@ -82,8 +82,8 @@ struct sequential_impulse {
                           Motion&& motion) {
             const S h_sub = h / S(with.substeps), share = S(1) / S(with.substeps);
             detail::task_runner serial;
-            solver_api::joint_solver<Constraints> joints(contacts, bodies, motion, h_sub, S(0.25) / h_sub,
-                                                         S(0.25) / h_sub, S(2), with.max_direct_cost, scratch, serial);
+            solver_api::joint_solver<Constraints> joints(contacts, bodies, motion, h_sub, S(0.25) / h_sub, S(2),
+                                                         with.max_direct_cost, scratch, serial);
             const surfaces of = contacts.surfaces();
             const bool* const has_joint = detail::bodies_of_joints(contacts, bodies, scratch);
             block* blocks = scratch.template allocate<block>(contacts.size());
@@ -119,7 +119,7 @@ struct sequential_impulse {
                 integrate_positions(bodies, has_joint, velocity_change, position_velocities,
                                     with.max_depenetration_speed, h_sub, motion);
                 joints.update_rows(serial, nullptr);
-                joints.solve(serial, false);
+                joints.relax(serial, with.iterations);
                 for (std::uint32_t k = 0; k < contacts.size(); ++k) blocks[k].add_up(contacts[k].count);
             }
             for (std::uint32_t i = 0; i < contacts.size(); ++i) blocks[i].store(contacts[i]);

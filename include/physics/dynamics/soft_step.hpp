@@ -75,11 +75,6 @@ struct soft_step_with {
         static constexpr bool rotates = Features::rotation;
         using settings = soft_step_settings<S>;
         using bodies_type = solver_api::solver_bodies<S, D, rotates>;
-        /// Of rigid joints that are solved round by round: their frequency as a part of the substeps' rate. With
-        /// c = w h (2 zeta + w h) what is far from being solved in a round grows from (w h)^2 = (1 + 2 c) / (1 + c) on:
-        /// here from 0.218.
-        static constexpr double joint_frequency_ratio = 0.2;
-
         /// Advances velocities and poses by h: `motion` offers integrate_velocities(h) and integrate_positions(h),
         /// which adds to their ways; where it takes the velocities with which the substep began as well (see
         /// substep_start), it saves rounds over the bodies; where it tells a usual_step(), contacts are no stiffer than
@@ -116,8 +111,7 @@ struct soft_step_with {
             if constexpr (requires { motion.usual_step(); }) usual = motion.usual_step();
             solver_api::joint_solver<Constraints, detail::native_width<S>> joints(
                 contacts, all, motion, h_sub, S(joint_frequency_ratio) / (usual / S(with.substeps)),
-                S(direct_frequency_ratio) / (usual / S(with.substeps)), S(joint_damping_ratio), with.max_direct_cost,
-                scratch, tasks);
+                S(joint_damping_ratio), with.max_direct_cost, scratch, tasks);
             const detail::prepare_input<S, D, Features> prepare_with{
                 S(1) / S(with.substeps), with.restitution_threshold * h, accelerations(motion, all, scratch),
                 contacts.surfaces()};
@@ -165,7 +159,7 @@ struct soft_step_with {
                     blocks.each_of_joints(tasks, [bodies, first, &released](std::uint32_t k) {
                         kernels::solve(first[k], bodies, released);
                     });
-                joints.solve(tasks, false);
+                joints.relax(tasks, 1);
                 blocks.each(tasks,
                             [bodies, first, &relaxed](std::uint32_t k) { kernels::solve(first[k], bodies, relaxed); });
                 if constexpr (Features::restitution)
@@ -187,8 +181,8 @@ struct soft_step_with {
     private:
         static constexpr int width = Width;
         static constexpr std::uint32_t none = detail::null_index;
-        /// The same of those that are solved directly, which no round limits; and the damping ratio of both.
-        static constexpr double direct_frequency_ratio = 0.25, joint_damping_ratio = 2;
+        /// As what springs rigid joints take errors back: the frequency as a part of the substeps' rate.
+        static constexpr double joint_frequency_ratio = 0.25, joint_damping_ratio = 2;
         using turning_block = detail::soft_contact<S, D, width, Features, Friction>;
         using block = std::conditional_t<rotates, turning_block, detail::soft_linear_contact<S, D, width, Features>>;
         using kernels = Kernels<block>;

@@ -44,12 +44,11 @@ struct stored_joint {
     S substep{};
     [[no_unique_address]] fixed_list<S, Joint::row_count> sum{};
     S step{};
-    bool is_iterated = false;
     /// Of joints that count their turns.
     [[no_unique_address]] angle_list<Joint, S> turned{};
     /// Its record.
     std::uint32_t number = 0;
-    PHYSICS_HPP_MEMBERS(joint, impulse, substep, sum, step, is_iterated, turned, number)
+    PHYSICS_HPP_MEMBERS(joint, impulse, substep, sum, step, turned, number)
 };
 /// A joint that broke, and what it gave in that step.
 template <class S, int D>
@@ -208,7 +207,6 @@ void publish_joints(step_joints<S, D, Joints>& found, S h, joint_set<S, D, Joint
             for (int k = 0; k < Joint::row_count; ++k) of_kind[j.slot].sum[k] = j.sum[k];
             of_kind[j.slot].substep = j.substep;
             of_kind[j.slot].step = h;
-            of_kind[j.slot].is_iterated = j.is_iterated;
             of_kind[j.slot].turned = j.turned;
         }
     });

@@ -118,7 +118,6 @@ public:
         add(j.substep);
         for (const S sum : j.sum) add(sum);
         add(j.step);
-        add(j.is_iterated);
         for (const auto& turned : j.turned) {
             add(turned.angle);
             add(std::uint64_t{static_cast<std::uint32_t>(turned.turns)});

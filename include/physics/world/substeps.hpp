@@ -1,4 +1,4 @@
-// How many substeps contacts and joints need to give way by no more than a length.
+// How many substeps contacts need to give way by no more than a length.
 #pragma once
 
 #include "physics/world/world.hpp"
@@ -44,82 +44,13 @@ double largest_load(const state<Plan>& s) {
     return largest;
 }
 
-/// J_p M^-1 J_q of two rows of a joint, as far as one of its bodies goes.
-template <class S, int D, bool Rotates>
-double inverse_mass_between([[maybe_unused]] const body<S, D, Rotates>& b, const vec<S, D>& along_p,
-                            const vec<S, D>& along_q, [[maybe_unused]] const angular<S, D>& about_p,
-                            [[maybe_unused]] const angular<S, D>& about_q) {
-    if (!b.is_dynamic()) return 0;
-    double sum = to_double(b.inverse_mass) * dot(to_point(along_p), to_point(along_q));
-    if constexpr (Rotates) {
-        const auto inverse = converted<double>(in_world(b.inverse_inertia, b.rotation));
-        if constexpr (D == 2) sum += to_double(about_p) * inverse * to_double(about_q);
-        else sum += dot(to_point(about_p), times(inverse, to_point(about_q)));
-    }
-    return sum;
-}
-/// The same as largest_load of one joint: of the rows that hold points together, the length of J M^-1 J^T F.
-template <class Joint, class S, int D, bool Rotates>
-double load_of(const stored_joint<Joint, S>& j, const body<S, D, Rotates>& a, const body<S, D, Rotates>& b) {
-    constexpr bool two = has_two_directions<Joint>();
-    auto at = frames_between<Joint>(a, b);
-    const auto turned = count_turns(j.joint, at, j.turned);
-    at.turned = turned.begin();
-    row_list<S, D, Joint::row_count, two> rows;
-    rows_of(j.joint, at, rows.target());
-    const auto along_a = [&](int k) {
-        if constexpr (two) return rows.of_a[k];
-        else return rows.row[k].direction;
-    };
-    double squares = 0;
-    for (int i = 0; i < Joint::row_count; ++i) {
-        const auto& p = rows.row[i];
-        if (p.direction == vec<S, D>{} || !p.is_on() || p.is_spring() || p.is_motor) continue;
-        // Limits that nothing has reached.
-        if (p.is_bounded() && j.sum[i] == S(0)) continue;
-        double sum = 0;
-        for (int k = 0; k < Joint::row_count; ++k) {
-            const auto& q = rows.row[k];
-            sum += to_double(j.sum[k]) * (inverse_mass_between(a, along_a(i), along_a(k), p.angular_a, q.angular_a) +
-                                          inverse_mass_between(b, p.direction, q.direction, p.angular_b, q.angular_b));
-        }
-        squares += sum * sum;
-    }
-    return sqrt(squares) / to_double(j.step);
-}
-/// The largest of joints that were solved round by round.
-template <class Plan>
-double largest_joint_load([[maybe_unused]] const state<Plan>& s) {
-    double largest = 0;
-    if constexpr (Plan::has_joints) {
-        using S = typename Plan::scalar;
-        s.joints.each_kind(s.joints, [&]<class Joint>(std::uint32_t, const pool<stored_joint<Joint, S>>& of_kind) {
-            if constexpr (Joint::row_count > 0)
-                of_kind.each([&](std::uint32_t, const stored_joint<Joint, S>& j) {
-                    const joint_record& record = s.joints.records[j.number];
-                    if (record.holds() && j.is_iterated && j.step > S(0))
-                        largest = max(largest, load_of(j, s.bodies[record.body_a], s.bodies[record.body_b]));
-                });
-        });
-    }
-    return largest;
-}
-
-/// Of joints, as a part of the substeps' rate; 1 where there are none.
-template <class Plan>
-constexpr double joint_frequency_ratio(const state<Plan>&) {
-    if constexpr (Plan::has_joints) return Plan::solver::joint_frequency_ratio;
-    else return 1;
-}
-
 }  // namespace detail
 
-/// The least number of substeps at which no contact and no joint of a world gives way to what pushed or pulled in the
-/// last step by more than tolerance (m), as those of the soft step do: by F / (m omega^2), omega being their part of
-/// the substeps' rate. Joints that are solved directly (max_direct_cost) do not give way. Of what rests it is exact, if
-/// its rounds could hold it in the last step; what lands or swings gives way further. Springs and motors are meant to.
-/// At least 1; 0 if there is none, for a frequency_cap. Refuses tolerances that are not positive. O(contacts + joints).
-/// Source: Catto, Soft constraints (GDC 2011).
+/// The least number of substeps at which no contact of a world gives way to what pushed in the last step by more than
+/// tolerance (m), as those of the soft step do: by F / (m omega^2), omega being their part of the substeps' rate.
+/// Joints do not give way. Of what rests it is exact, if its rounds could hold it in the last step; what lands gives
+/// way further. At least 1; 0 if there is none, for a frequency_cap. Refuses tolerances that are not positive.
+/// O(contacts). Source: Catto, Soft constraints (GDC 2011).
 template <class Recipe>
     requires requires(const typename world<Recipe>::settings_type& with) { with.solver.contact_frequency_ratio; }
 [[nodiscard]] int substeps_for(const world<Recipe>& of, typename world<Recipe>::scalar tolerance) {
@@ -127,13 +58,10 @@ template <class Recipe>
     const auto& s = detail::world_access::data_of(of);
     return detail::scoped([&] {
         const auto& with = s.settings.solver;
-        const auto hertz_for = [&](double load) {
-            return sqrt(load / detail::to_double(tolerance)) / 6.283185307179586;
-        };
-        const double hertz = hertz_for(detail::largest_load(s)), cap = detail::to_double(with.frequency_cap),
-                     usual = detail::to_double(s.step_lengths.usual),
-                     of_joints = hertz_for(detail::largest_joint_load(s)) * usual / detail::joint_frequency_ratio(s),
-                     count = max(hertz * usual / detail::to_double(with.contact_frequency_ratio), of_joints);
+        const double load = detail::largest_load(s),
+                     hertz = sqrt(load / detail::to_double(tolerance)) / 6.283185307179586,
+                     cap = detail::to_double(with.frequency_cap), usual = detail::to_double(s.step_lengths.usual),
+                     count = hertz * usual / detail::to_double(with.contact_frequency_ratio);
         if ((cap > 0 && hertz > cap) || !(count < 1e9)) return 0;
         const int below = static_cast<int>(count);
         return below < 1 ? 1 : count - below > 1e-9 ? below + 1 : below;
