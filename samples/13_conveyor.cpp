@@ -1,5 +1,5 @@
-// Conveyors: belts of two speeds carry crates to a sorter, whose sensor tells a kicker which ones to push aside, and
-// the others round a corner.
+// Conveyors: belts of two speeds carry crates to a sorter whose sensor tells the large ones. In 3D a kicker pushes them
+// aside, and the others go round a corner; in 2D they fall through a hatch, and the others go up a slope.
 #include <physics.hpp>
 
 #include <algorithm>
@@ -12,19 +12,100 @@
 
 namespace {
 
-struct plant : physics::recipe<float, 3, physics::joints<physics::prismatic_joint>,
+template <int D>
+struct plant : physics::recipe<float, D, physics::joints<physics::prismatic_joint>,
                                physics::events<physics::event::sensor, physics::event::sleep>> {};
-using world = physics::world<plant>;
-using vec = world::vec;
 
 enum : std::uint64_t { small = 1, large = 2 };
 
 constexpr float slow = 0.5f, fast = 1.5f;
 
-}  // namespace
+/// Five small ones and three large ones in a row that ends at x = 0, on the height 0.
+template <class World>
+std::vector<physics::body_id> add_crates(World& arena) {
+    std::vector<physics::body_id> crates;
+    for (int i = 0; i < 8; ++i) {
+        const bool is_large = i % 3 == 1;
+        const float half = is_large ? 0.3f : 0.2f;
+        typename World::body_def def{.user_data = is_large ? large : small};
+        def.position.x = -0.9f * static_cast<float>(i) - 0.9f;
+        def.position.y = half;
+        crates.push_back(arena.create_body(def));
+        arena.create_shape(crates.back(), typename World::box{World::vec::filled(half)}, {.density = 100});
+    }
+    return crates;
+}
+template <class World>
+void start(World& arena, physics::shape_id belt, const physics::surface_motion<float, World::dimension>& velocity) {
+    auto rubber = arena.material(belt);
+    rubber.surface_velocity = velocity;
+    arena.set_material(belt, rubber);
+}
+template <class World>
+void drive(World& arena, physics::joint_id motor, float speed) {
+    auto joint = arena.template joint<typename World::prismatic_joint>(motor);
+    joint.motor_speed = speed;
+    arena.set_joint(motor, joint);
+}
 
-int main() {
-    samples::film film("Conveyor", "two speeds, a sensor and a kicker", "samples/out/conveyor.html");
+void sort_by_hatch(samples::film& film) {
+    using world = physics::world<plant<2>>;
+    world arena{{.gravity = {0, -10}}};
+    const physics::body_id floor = arena.create_body({.type = physics::body_type::static_body});
+    arena.create_shape(floor, world::halfspace{{0, 1}, -3});
+    const float slope = 0.25f, rise = std::sin(slope), run = std::cos(slope);
+    const physics::shape_id belts[] = {
+        arena.create_shape(floor, world::box{{4, 0.1f}}, {.position = {-4, -0.1f}}),
+        arena.create_shape(floor, world::box{{2, 0.1f}}, {.position = {2, -0.1f}}),
+        arena.create_shape(floor, world::box{{2, 0.1f}},
+                           {.position = {5 + 2 * run + 0.1f * rise, 2 * rise - 0.1f * run},
+                            .rotation = physics::rotation<float, 2>::from_angle(slope)})};
+    // Between the belts: as one of them, and slides under the slope. It passes through belts, since a joint ties both.
+    const physics::body_id hatch = arena.create_body({.position = {4.5f, -0.1f}});
+    const physics::shape_id lid = arena.create_shape(hatch, world::box{{0.5f, 0.1f}}, {.density = 2000});
+    const physics::joint_id motor = arena.create_joint(
+        floor, hatch,
+        world::prismatic_joint{
+            .frame_a = {{4.5f, -0.1f}, {}}, .min_translation = 0, .max_translation = 1.1f, .max_motor_force = 20000});
+    const physics::shape_id eye =
+        arena.create_shape(floor, world::box{{0.05f, 0.05f}}, {.position = {3, 0.5f}, .sensor = true});
+    const std::vector<physics::body_id> crates = add_crates(arena);
+
+    int dropped = 0;
+    double told_at = -10, now = 0;
+    float slip = 0;
+    film.play(
+        "hatch", arena, {}, 26,
+        [&](double t) {
+            now = t;
+            if (t == 2) {
+                start(arena, belts[0], slow);
+                for (const physics::shape_id id : {belts[1], belts[2], lid}) start(arena, id, fast);
+            }
+            drive(arena, motor, t - told_at < 1.6 ? 4.0f : -4.0f);
+        },
+        [&] {
+            for (const auto& e : arena.sensor_begin_events())
+                if (e.sensor == eye && e.visitor_body_data == large) ++dropped, told_at = now;
+            for (const physics::body_id id : crates)
+                if (const float x = arena.position(id).x; x > 6 && x < 8)
+                    slip = std::max(slip, length(arena.linear_velocity(id) - world::vec{fast * run, fast * rise}));
+        });
+    int sorted[2] = {};
+    for (const physics::body_id id : crates) {
+        const world::vec at = arena.position(id);
+        sorted[0] += arena.user_data(id) == small && at.x > 8.5f;
+        sorted[1] += arena.user_data(id) == large && at.x < 6.5f && at.y < -2;
+    }
+    film.expect("slip on the slope, m/s", slip, 0, 0.001);
+    film.expect("times that the hatch opens", dropped, 3);
+    film.expect("small crates over the slope", sorted[0], 5);
+    film.expect("large crates through the hatch", sorted[1], 3);
+}
+
+void sort_by_kicker(samples::film& film) {
+    using world = physics::world<plant<3>>;
+    using vec = world::vec;
     world arena{{.gravity = {0, -10, 0}}};
     const physics::body_id floor = arena.create_body({.type = physics::body_type::static_body});
     arena.create_shape(floor, world::halfspace{{0, 1, 0}, -1});
@@ -37,17 +118,7 @@ int main() {
     const physics::shape_id corner =
         arena.create_shape(floor, world::box{{0.7f, 0.1f, 2.6f}}, {.position = {8.7f, -0.1f, 2}});
 
-    std::vector<physics::body_id> crates;
-    for (int i = 0; i < 8; ++i) {
-        const bool is_large = i % 3 == 1;
-        const float half = is_large ? 0.3f : 0.2f;
-        const physics::body_id crate = arena.create_body({
-            .position = {-0.9f * static_cast<float>(i) - 0.9f, half, 0},
-            .user_data = is_large ? large : small,
-        });
-        arena.create_shape(crate, world::box{{half, half, half}}, {.density = 100});
-        crates.push_back(crate);
-    }
+    const std::vector<physics::body_id> crates = add_crates(arena);
     // What is as high as this is large.
     const physics::shape_id eye =
         arena.create_shape(floor, world::box{{0.05f, 0.05f, 0.6f}}, {.position = {4, 0.5f, 0}, .sensor = true});
@@ -62,16 +133,6 @@ int main() {
                                                   .min_translation = 0,
                                                   .max_translation = 1.2f,
                                                   .max_motor_force = 5000});
-    const auto drive_kicker = [&](float speed) {
-        auto joint = arena.joint<world::prismatic_joint>(kicker);
-        joint.motor_speed = speed;
-        arena.set_joint(kicker, joint);
-    };
-    const auto start = [&](physics::shape_id id, const vec& velocity) {
-        auto rubber = arena.material(id);
-        rubber.surface_velocity = velocity;
-        arena.set_material(id, rubber);
-    };
 
     int asleep = 0, woken = 0, kicks = 0;
     double kicked_at = -10, now = 0;
@@ -82,11 +143,11 @@ int main() {
             now = t;
             if (t == 3) {
                 asleep = static_cast<int>(std::ranges::count_if(crates, [&](auto id) { return arena.is_asleep(id); }));
-                start(belts[0], {slow, 0, 0});
-                start(belts[1], {fast, 0, 0});
-                start(corner, {0, 0, fast});
+                start(arena, belts[0], {slow, 0, 0});
+                start(arena, belts[1], {fast, 0, 0});
+                start(arena, corner, {0, 0, fast});
             }
-            drive_kicker(t - kicked_at < 0.4 ? 3.0f : -3.0f);
+            drive(arena, kicker, t - kicked_at < 0.4 ? 3.0f : -3.0f);
         },
         [&] {
             if (now >= 3 && now < 3.1) woken += static_cast<int>(arena.wake_events().size());
@@ -114,5 +175,14 @@ int main() {
     film.expect("kicks", kicks, 3);
     film.expect("small crates round the corner", sorted[0], 5);
     film.expect("large crates kicked aside", sorted[1], 3);
+}
+
+}  // namespace
+
+int main() {
+    samples::film film("Conveyor", "two speeds and a sensor; a hatch and a slope, a kicker and a corner",
+                       "samples/out/conveyor.html");
+    sort_by_hatch(film);
+    sort_by_kicker(film);
     return film.finish();
 }
