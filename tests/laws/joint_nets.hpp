@@ -185,6 +185,31 @@ CELL_CASE("joint nets: what is struck gains no energy round by round, at any sub
     SUBCASE("soft_step") { rounds_gain_nothing<plain>(); }
     SUBCASE("sequential_impulse") { rounds_gain_nothing<split>(); }
 }
+template <class World>
+void ground_stops_what_is_pulled_into_it() {
+    for (const int substeps : {1, 4, 16})
+        for (const bool is_direct : {true, false}) {
+            CAPTURE(substeps);
+            CAPTURE(is_direct);
+            World w = falling<World>(substeps);
+            auto settings = w.settings();
+            settings.solver.max_direct_cost = is_direct ? 1 << 20 : 0;
+            w.set_settings(settings);
+            vec up;
+            up[1] = S(1);
+            w.create_shape(add_anchor(w, at(0, 0)), typename World::halfspace{up});
+            const body_id b = w.create_body({.position = at(0, 0.5), .can_sleep = false});
+            w.create_shape(b, typename World::ball{S(0.25)});
+            w.create_joint(add_anchor(w, at(0, -0.1)), b, physics::ball_joint<S, D>{});
+            run(w, 256, 1.0 / 64);
+            CHECK(std::abs(number(w.position(b)[1]) - 0.25) < 0.01);
+            CHECK(length_of(w.linear_velocity(b)) < 0.01);
+        }
+}
+CELL_CASE("joint nets: what is pulled into the ground comes to rest on it") {
+    SUBCASE("soft_step") { ground_stops_what_is_pulled_into_it<plain>(); }
+    SUBCASE("sequential_impulse") { ground_stops_what_is_pulled_into_it<split>(); }
+}
 CELL_CASE("joint nets: motors go no faster than they drive the levers") {
     SUBCASE("trees") { nets_stay_bounded<plain>({.is_tree = true, .has_motors = true}, 1000, 1000); }
     SUBCASE("nets") { nets_stay_bounded<plain>({.has_motors = true}, 1000, 1000); }
