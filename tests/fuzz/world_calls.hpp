@@ -209,6 +209,7 @@ private:
             if (what == 2) check.cast(typename world::capsule{reach, S(0.25)}, at, way);
             if (what == 3) check.closest(at.position, reach);
             if (what == 4) check.collide(typename world::capsule{S(0.5), reach}, at, S(0.125));
+            if (what == 4) check.batches(at, way), check.draw();
             if (what == 5) static_cast<void>(on.cast_ray(at.position, way, by));
             if (what == 6) on.each_overlapping(typename world::box{vec::filled(reach)}, at, by, [](shape_id) {});
             if (what == 7) static_cast<void>(on.cast_shape(typename world::capsule{reach, S(0.25)}, at, way, by));

@@ -19,9 +19,11 @@ namespace fuzz {
 using all_events = physics::events<physics::event::contact, physics::event::hit, physics::event::sensor,
                                    physics::event::sleep, physics::event::move, physics::event::joint_limit>;
 using plane_shapes = physics::shapes<physics::ball, physics::capsule, physics::box, physics::halfspace, physics::hull,
-                                     physics::compound, physics::chain, physics::heightfield, physics::tile_grid>;
+                                     physics::segment, physics::triangle, physics::rounded_box, physics::compound,
+                                     physics::chain, physics::heightfield, physics::tile_grid>;
 using space_shapes = physics::shapes<physics::ball, physics::capsule, physics::box, physics::halfspace, physics::hull,
-                                     physics::compound, physics::mesh, physics::heightfield>;
+                                     physics::segment, physics::triangle, physics::rounded_box, physics::cylinder,
+                                     physics::cone, physics::compound, physics::mesh, physics::heightfield>;
 using plane_joints =
     physics::joints<physics::ball_joint, physics::distance_joint, physics::filter_joint, physics::gear_joint,
                     physics::motor_joint, physics::prismatic_joint, physics::pulley_joint, physics::rack_joint,

@@ -118,7 +118,47 @@ struct query_check {
         FUZZ_REQUIRE(found.empty());
     }
 
+    /// Batches say what single queries say.
+    void batches(const transform& at, vec way) const {
+        std::vector<physics::ray_query<S, D>> rays;
+        std::vector<physics::shape_query<S, D>> casts;
+        for (const vec to : {way, vec{}, -way}) {
+            rays.push_back({at.position, to, by});
+            casts.push_back({at, to, rays.size() == 2 ? filter{} : by});
+        }
+        const typename World::capsule probe{S(0.5), S(0.25)};
+        std::vector<physics::world_hit<S, D>> of_rays(rays.size()), of_casts(rays.size());
+        w.cast_rays(rays, of_rays);
+        w.cast_shapes(probe, casts, of_casts);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            FUZZ_REQUIRE(is_same(of_rays[i], w.cast_ray(rays[i].origin, rays[i].translation, rays[i].filter)));
+            FUZZ_REQUIRE(is_same(of_casts[i], w.cast_shape(probe, at, casts[i].translation, casts[i].filter)));
+        }
+    }
+
+    /// What is drawn of a world where all is near is finite.
+    void draw() const {
+        struct {
+            bool is_near;
+            void point(vec at, physics::debug_color) const { FUZZ_REQUIRE(!is_near || physics::is_finite(at)); }
+            void line(vec from, vec to, physics::debug_color by) const { point(from, by), point(to, by); }
+            void text(vec at, const char*, physics::debug_color by) const { point(at, by); }
+            void polygon(const vec* corners, std::uint32_t count, physics::debug_color by) const {
+                FUZZ_REQUIRE(count > 2);
+                for (std::uint32_t i = 0; i < count; ++i) point(corners[i], by);
+            }
+        } pen{is_near()};
+        physics::debug_draw_options<S, D> all;
+        all.contacts = all.boxes = all.tree = all.islands = all.frames = all.velocities = all.numbers = true;
+        all.sides = 3;
+        physics::debug_draw(w, pen, all);
+    }
+
 private:
+    template <class Hit>
+    static bool is_same(const Hit& one, const Hit& other) {
+        return one.shape == other.shape && one.fraction == other.fraction;
+    }
     template <class Shape>
     [[nodiscard]] double gap_of(shape_id s, const Shape& probe, const transform& pose) const {
         return w.shape(s).visit(

