@@ -3930,7 +3930,7 @@ struct user_types {};
 struct features {};
 }  // namespace stage
 
-/// What a solver or an integrator of your own sees of a step, and nobody else: bodies, contacts, joints.
+/// What a solver or an integrator of your own sees of a step, and no other: bodies, contacts, joints.
 namespace solver_api {}
 namespace detail {
 using namespace solver_api;
@@ -26624,7 +26624,7 @@ namespace detail {
 
 /// W times the same joints between other bodies, one in each lane: their rows, the bodies that these push, and the
 /// matrix J M^-1 J^T. For the solve only, bodies have so much inertia that forces which turn with them cannot make a
-/// substep unstable: else light links under a heavy load blow up. Source: Tournier et al., Stable constrained dynamics
+/// substep unstable: else light links under a heavy load fly off. Source: Tournier et al., Stable constrained dynamics
 /// (2015).
 template <class S, int D, bool Rotates, int W, bool Two>
 class joint_system {
@@ -28584,10 +28584,9 @@ public:
     static constexpr bool rotates = Features::rotation;
 
     /// For substeps of h seconds; rigid joints take errors back as springs of that frequency (Hz) and damping ratio
-    /// would, but do not sag. A motion that has
-    /// find_rotation(body, pose, velocity, h) is asked how bodies are turned. Joints are solved directly where that
-    /// takes up to max_direct_cost multiplications a row. Of bodies of others inertias are raised for the step, see
-    /// raise_inertias: contacts are to be prepared after that.
+    /// would, but do not sag. A motion that has find_rotation(body, pose, velocity, h) is asked how bodies are turned.
+    /// Joints are solved directly where that takes up to max_direct_cost multiplications a row. Of bodies of others
+    /// inertias are raised for the step, see raise_inertias: contacts are to be prepared after that.
     template <class Motion>
     joint_solver(const constraints_type& of, bodies_type bodies, const Motion& motion, S h, S frequency,
                  S damping_ratio, int max_direct_cost, arena& scratch, detail::task_runner& tasks)
@@ -42173,7 +42172,7 @@ struct explosion {
 
 namespace detail {
 
-/// What a box shows of itself to one who looks along a unit vector (m^2, in 2D m).
+/// The area of a box as seen along a unit vector (m^2, in 2D m).
 template <class S>
 S area_facing(const aabb<S, 2>& box, const vec<S, 2>& along) {
     const vec<S, 2> size = box.upper - box.lower, n = abs(along);

@@ -32,7 +32,7 @@ struct user_types {};
 struct features {};
 }  // namespace stage
 
-/// What a solver or an integrator of your own sees of a step, and nobody else: bodies, contacts, joints.
+/// What a solver or an integrator of your own sees of a step, and no other: bodies, contacts, joints.
 namespace solver_api {}
 namespace detail {
 using namespace solver_api;

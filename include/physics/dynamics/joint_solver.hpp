@@ -215,10 +215,9 @@ public:
     static constexpr bool rotates = Features::rotation;
 
     /// For substeps of h seconds; rigid joints take errors back as springs of that frequency (Hz) and damping ratio
-    /// would, but do not sag. A motion that has
-    /// find_rotation(body, pose, velocity, h) is asked how bodies are turned. Joints are solved directly where that
-    /// takes up to max_direct_cost multiplications a row. Of bodies of others inertias are raised for the step, see
-    /// raise_inertias: contacts are to be prepared after that.
+    /// would, but do not sag. A motion that has find_rotation(body, pose, velocity, h) is asked how bodies are turned.
+    /// Joints are solved directly where that takes up to max_direct_cost multiplications a row. Of bodies of others
+    /// inertias are raised for the step, see raise_inertias: contacts are to be prepared after that.
     template <class Motion>
     joint_solver(const constraints_type& of, bodies_type bodies, const Motion& motion, S h, S frequency,
                  S damping_ratio, int max_direct_cost, arena& scratch, detail::task_runner& tasks)

@@ -10,7 +10,7 @@ namespace detail {
 
 /// W times the same joints between other bodies, one in each lane: their rows, the bodies that these push, and the
 /// matrix J M^-1 J^T. For the solve only, bodies have so much inertia that forces which turn with them cannot make a
-/// substep unstable: else light links under a heavy load blow up. Source: Tournier et al., Stable constrained dynamics
+/// substep unstable: else light links under a heavy load fly off. Source: Tournier et al., Stable constrained dynamics
 /// (2015).
 template <class S, int D, bool Rotates, int W, bool Two>
 class joint_system {

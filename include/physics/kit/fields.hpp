@@ -39,7 +39,7 @@ struct explosion {
 
 namespace detail {
 
-/// What a box shows of itself to one who looks along a unit vector (m^2, in 2D m).
+/// The area of a box as seen along a unit vector (m^2, in 2D m).
 template <class S>
 S area_facing(const aabb<S, 2>& box, const vec<S, 2>& along) {
     const vec<S, 2> size = box.upper - box.lower, n = abs(along);
