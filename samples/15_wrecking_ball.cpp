@@ -70,7 +70,8 @@ void demolish(samples::film& film, const char* title, double strength) {
     film.expect("joints that still hold, chain included", held, welds + 8 - broken);
     film.expect("bricks moved from their place", fallen, 6, rows * columns);
     film.fact("fastest the ball swung, m/s", fastest);
-    film.expect("widest joint of the chain, mm", 1000 * widest, 0, 20);
+    // At the hit: what breaks holds until the end of the step.
+    film.expect("widest joint of the chain, mm", 1000 * widest, 0, 40);
 }
 
 }  // namespace
