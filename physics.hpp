@@ -25831,7 +25831,11 @@ struct row_lanes : own_directions<S, D, W, Two> {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         const P before = P::load(impulse), v = speed_of(of_a, of_b) - P::load(speed);
         P left = one, bias = zero, lost = zero;
-        if (has_errors(round)) bias = P::load(error) * P::load(push);
+        if (has_errors(round)) {
+            // Motors ask for speeds only.
+            left = select_greater(P::load(push), zero, one, zero);
+            bias = P::load(error) * P::load(push);
+        }
         if (has_spring) {
             const P spring_lanes = P::load(spring), rigid_lanes = one - spring_lanes;
             if (has_springs(round)) {
@@ -25839,7 +25843,7 @@ struct row_lanes : own_directions<S, D, W, Two> {
                 bias = P::load(error) * P::load(push) * spring_lanes;
                 lost = P::load(loss) * spring_lanes;
             } else {
-                left = rigid_lanes;
+                left = left * rigid_lanes;
                 bias = bias * rigid_lanes;
             }
         }
@@ -25854,8 +25858,9 @@ struct row_lanes : own_directions<S, D, W, Two> {
         const P next = IsBounded ? max(min(wanted, P::load(high)), P::load(low)) : wanted;
         apply(next - before, a, b, of_a, of_b);
         next.store(impulse);
-        if (IsBounded && has_errors(round)) (P::load(correction) + (next - before)).store(correction);
+        if (has_errors(round)) note_correction(next - before);
     }
+    void note_correction(const P& by) { (P::load(correction) + by).store(correction); }
     /// Takes back by what solve has taken errors back.
     void take_correction_back(const side& a, const side& b, lanes& of_a, lanes& of_b) {
         const P before = P::load(impulse), next = max(min(before - P::load(correction), P::load(high)), P::load(low));
@@ -28241,8 +28246,10 @@ private:
         }
         cut_together<W>(&rows_[k], n, wanted);
         for (int i = 0; i < n; ++i) {
-            rows_[k + i].apply(wanted[i] - P::load(rows_[k + i].impulse), a_, b_, of_a, of_b);
+            const P by = wanted[i] - P::load(rows_[k + i].impulse);
+            rows_[k + i].apply(by, a_, b_, of_a, of_b);
             wanted[i].store(rows_[k + i].impulse);
+            if (has_errors(round)) rows_[k + i].note_correction(by);
         }
     }
     void load(const body* bodies, lanes& of_a, lanes& of_b) const {
@@ -31489,8 +31496,8 @@ bool check(const soft_step_settings<S>& with, const char* function) {
 /// point (point_friction). Error: of order h / substeps; the springs follow the substep, so that more work always means
 /// less error. Momentum is kept to rounding, angular momentum but for how far bodies that collide move past each other
 /// within the step, and in 3D for friction across their gap, which each has at its own surface as the step begins.
-/// Cost: 2 rounds a substep, contacts of one colour in lanes. Source: Macklin et al., Small Steps in Physics Simulation
-/// (2019); Catto, Soft constraints (GDC 2011), Solver2D (2024).
+/// Cost: 2 rounds a substep, 3 over joints that are not solved directly; contacts of one colour in lanes. Source:
+/// Macklin et al., Small Steps in Physics Simulation (2019); Catto, Soft constraints (GDC 2011), Solver2D (2024).
 template <class Friction>
 struct soft_step_with {
     using stage = physics::stage::solver;

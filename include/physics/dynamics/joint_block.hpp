@@ -124,8 +124,10 @@ private:
         }
         cut_together<W>(&rows_[k], n, wanted);
         for (int i = 0; i < n; ++i) {
-            rows_[k + i].apply(wanted[i] - P::load(rows_[k + i].impulse), a_, b_, of_a, of_b);
+            const P by = wanted[i] - P::load(rows_[k + i].impulse);
+            rows_[k + i].apply(by, a_, b_, of_a, of_b);
             wanted[i].store(rows_[k + i].impulse);
+            if (has_errors(round)) rows_[k + i].note_correction(by);
         }
     }
     void load(const body* bodies, lanes& of_a, lanes& of_b) const {

@@ -308,7 +308,11 @@ struct row_lanes : own_directions<S, D, W, Two> {
         const P zero = P::broadcast(S(0)), one = P::broadcast(S(1));
         const P before = P::load(impulse), v = speed_of(of_a, of_b) - P::load(speed);
         P left = one, bias = zero, lost = zero;
-        if (has_errors(round)) bias = P::load(error) * P::load(push);
+        if (has_errors(round)) {
+            // Motors ask for speeds only.
+            left = select_greater(P::load(push), zero, one, zero);
+            bias = P::load(error) * P::load(push);
+        }
         if (has_spring) {
             const P spring_lanes = P::load(spring), rigid_lanes = one - spring_lanes;
             if (has_springs(round)) {
@@ -316,7 +320,7 @@ struct row_lanes : own_directions<S, D, W, Two> {
                 bias = P::load(error) * P::load(push) * spring_lanes;
                 lost = P::load(loss) * spring_lanes;
             } else {
-                left = rigid_lanes;
+                left = left * rigid_lanes;
                 bias = bias * rigid_lanes;
             }
         }
@@ -331,8 +335,9 @@ struct row_lanes : own_directions<S, D, W, Two> {
         const P next = IsBounded ? max(min(wanted, P::load(high)), P::load(low)) : wanted;
         apply(next - before, a, b, of_a, of_b);
         next.store(impulse);
-        if (IsBounded && has_errors(round)) (P::load(correction) + (next - before)).store(correction);
+        if (has_errors(round)) note_correction(next - before);
     }
+    void note_correction(const P& by) { (P::load(correction) + by).store(correction); }
     /// Takes back by what solve has taken errors back.
     void take_correction_back(const side& a, const side& b, lanes& of_a, lanes& of_b) {
         const P before = P::load(impulse), next = max(min(before - P::load(correction), P::load(high)), P::load(low));

@@ -57,8 +57,8 @@ bool check(const soft_step_settings<S>& with, const char* function) {
 /// point (point_friction). Error: of order h / substeps; the springs follow the substep, so that more work always means
 /// less error. Momentum is kept to rounding, angular momentum but for how far bodies that collide move past each other
 /// within the step, and in 3D for friction across their gap, which each has at its own surface as the step begins.
-/// Cost: 2 rounds a substep, contacts of one colour in lanes. Source: Macklin et al., Small Steps in Physics Simulation
-/// (2019); Catto, Soft constraints (GDC 2011), Solver2D (2024).
+/// Cost: 2 rounds a substep, 3 over joints that are not solved directly; contacts of one colour in lanes. Source:
+/// Macklin et al., Small Steps in Physics Simulation (2019); Catto, Soft constraints (GDC 2011), Solver2D (2024).
 template <class Friction>
 struct soft_step_with {
     using stage = physics::stage::solver;
