@@ -149,7 +149,7 @@ struct block_solve {
         left = one;
         if (count == 1) return true;
         P ok = P::load(valid), kept = one, strength = one, changes[capacity];
-        P calm = P::broadcast(scalar_traits<S>::max()), sum_of_changes = zero, there = zero;
+        P calm = P::broadcast(scalar_traits<S>::max()), smallest = calm, sum_of_changes = zero, there = zero;
         vector speed = unbiased;
         if (pass.use_bias) {
             speed = unbiased + (vector::load(separation) + displacement) * P::broadcast(pass.spring.rate);
@@ -169,21 +169,23 @@ struct block_solve {
             if (!pass.over_relaxes) continue;
             const P is = P::load(points[k].mass), lasts = before - lane_abs(changes[k]) * P::broadcast(S(32));
             calm = select_greater(is, zero, min(calm, lasts), calm);
+            smallest = select_greater(is, zero, min(smallest, before + changes[k]), smallest);
             sum_of_changes = sum_of_changes + select_greater(is, zero, changes[k], zero);
             there = there + select_greater(is, zero, one, zero);
         }
         // Loads that last are over-relaxed by 1.7, all points alike: those of tall piles travel faster so. From 2 on,
-        // rounds end in a limit cycle. Impacts, and what turns the bodies, are answered as they are. Source: Golub,
-        // Van Loan, Matrix Computations, 11.2.
+        // rounds end in a limit cycle. No point pulls. Impacts, and what turns the bodies, are answered as they are.
+        // Source: Golub, Van Loan, Matrix Computations, 11.2.
         P more = zero;
         if (pass.over_relaxes)
-            more = select_greater(calm, zero, sum_of_changes * P::broadcast(S(0.7)) / max(there, one), zero);
+            more = select_greater(calm, zero, max(sum_of_changes * P::broadcast(S(0.7)) / max(there, one), -smallest),
+                                  zero);
         left = select_greater(zero, ok, one, zero);
         const bool any_left = greater(zero, ok).bits() != 0 && !are_inactive(points, count, pass, left, at, speed_at);
         for (int k = 0; k < count; ++k) {
             const P by = changes[k] + select_greater(P::load(points[k].mass), zero, more, zero);
             const P change = select_greater(zero, ok, zero, by);
-            (P::load(points[k].impulse) + change).store(points[k].impulse);
+            max(P::load(points[k].impulse) + change, zero).store(points[k].impulse);
             sum = sum + points[k].at_middle(change);
         }
         return any_left;
