@@ -24018,6 +24018,16 @@ void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& 
             c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
+/// The load of a step with that of one more substep, or less what a bounce took of it. In fixed point, less than 0 for
+/// good once it has left the range.
+template <class S>
+constexpr S added_load(S total, S load) {
+    const S sum = total + load;
+    if constexpr (detail::is_fixed<S>)
+        if (total < S(0) || (load > S(0) && sum < total)) return S(-1);
+    return sum;
+}
+
 /// What impulses of a step of one length are multiplied with to begin one of another, at most by so much: they hold
 /// loads, which a longer step holds by larger ones. Never nothing, so that loads outlive steps of microseconds.
 template <class S>
@@ -25767,8 +25777,13 @@ struct row_lanes : own_directions<S, D, W, Two> {
         own.store(mass);
         limit.store(max_bias);
         max(min(P::load(error), max_error), -max_error).store(error);
-        const P low_impulse = select_greater(own, zero, max(P::load(low), P::broadcast(-max_force)) * h, zero),
-                high_impulse = select_greater(own, zero, min(P::load(high), P::broadcast(max_force)) * h, zero);
+        // What gives all that it takes has no bound: in fixed point even the largest force gives little in a substep.
+        const P endless = P::broadcast(unlimited);
+        const auto bound = [&](const P& force) {
+            return select_greater(endless, force, min(force, P::broadcast(max_force)) * h, endless);
+        };
+        const P low_impulse = select_greater(own, zero, -bound(-P::load(low)), zero),
+                high_impulse = select_greater(own, zero, bound(P::load(high)), zero);
         low_impulse.store(low);
         high_impulse.store(high);
         // What is off forgets what it gave.
@@ -29137,7 +29152,7 @@ S bounce_points(Point* points, int count, const Bounces& bounces, int lane, Spee
         });
     }
     for (int k = 0; k < count; ++k) {
-        points[k].total[lane] += impulses[k];
+        points[k].total[lane] = solver_api::added_load(points[k].total[lane], impulses[k]);
         if (bounces.speed[k][lane] > S(0)) stopped += points[k].impulse[lane];
     }
     return load > S(0) ? stopped / load : S(1);
@@ -29333,7 +29348,7 @@ struct sequential_impulse {
             }
             void add_up(int count) {
                 for (int k = 0; k < count; ++k) {
-                    rows[k].total += rows[k].normal + rows[k].bounce.impulse;
+                    rows[k].total = solver_api::added_load(rows[k].total, rows[k].normal + rows[k].bounce.impulse);
                     if constexpr (Features::friction) rows[k].total_friction += rows[k].friction;
                 }
                 if constexpr (Features::rolling_resistance) total_rolling += rolling;
@@ -30866,7 +30881,12 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
 /// Ends a substep: adds the loads of the points to the step's impulses.
 template <class P, class Point>
 PHYSICS_HPP_ALWAYS_INLINE void add_totals(Point* points, int count) {
-    for (int k = 0; k < count; ++k) (P::load(points[k].total) + P::load(points[k].impulse)).store(points[k].total);
+    using S = typename P::scalar;
+    for (int k = 0; k < count; ++k)
+        if constexpr (is_fixed<S>)
+            for (int lane = 0; lane < P::width; ++lane)
+                points[k].total[lane] = solver_api::added_load(points[k].total[lane], points[k].impulse[lane]);
+        else (P::load(points[k].total) + P::load(points[k].impulse)).store(points[k].total);
 }
 
 template <class S, int D, int W>
@@ -32331,24 +32351,28 @@ void publish_joints(step_joints<S, D, Joints>& found, S h, joint_set<S, D, Joint
     });
 }
 
-/// What a joint gave in the last step, along its rows where its bodies are.
+/// What a joint gave in the last step, along its rows where its bodies are. In fixed point a force may be beyond the
+/// range where its impulse is not: it is the largest then.
 template <class Joint, class S, int D, bool Rotates>
 joint_reaction<S, D> reaction_of(const stored_joint<Joint, S>& j, const body<S, D, Rotates>& a,
                                  const body<S, D, Rotates>& b) {
-    joint_reaction<S, D> sum{};
-    if (!(j.step > S(0))) return sum;
-    auto at = frames_between<Joint>(a, b);
-    const auto turned = count_turns(j.joint, at, j.turned);
-    at.turned = turned.begin();
-    row_list<S, D, Joint::row_count, has_two_directions<Joint>()> rows;
-    rows_of(j.joint, at, rows.target());
-    const auto& row = rows.row;
-    for (int k = 0; k < Joint::row_count; ++k) {
-        const S force = j.sum[k] / j.step;
-        sum.force += row[k].direction * force;
-        sum.torque += (row[k].angular_b - cross(row[k].r_b, row[k].direction)) * force;
+    using C = std::conditional_t<is_fixed<S>, double, S>;
+    joint_reaction<C, D> sum{};
+    if (j.step > S(0)) {
+        auto at = frames_between<Joint>(a, b);
+        const auto turned = count_turns(j.joint, at, j.turned);
+        at.turned = turned.begin();
+        row_list<S, D, Joint::row_count, has_two_directions<Joint>()> rows;
+        rows_of(j.joint, at, rows.target());
+        const auto& row = rows.row;
+        for (int k = 0; k < Joint::row_count; ++k) {
+            const C force = static_cast<C>(j.sum[k]) / static_cast<C>(j.step);
+            const auto about = row[k].angular_b - cross(row[k].r_b, row[k].direction);
+            sum.force += converted<C>(row[k].direction) * force;
+            sum.torque += converted<C>(about) * force;
+        }
     }
-    return sum;
+    return {converted<S>(sum.force), converted<S>(sum.torque)};
 }
 /// Joints that gave more than they can bear are no longer enabled; their bodies start to be still anew.
 template <class S, int D, class Joints, bool Rotates, class Sleep>
@@ -34989,6 +35013,87 @@ bool is_in_range(const moving_body<S, D, Rotates>& at, const twist_of<S, D, Rota
     else return true;
 }
 
+/// Half of a fixed-point scalar's range: what may be part of a state, of which the sum of two shows whether it is.
+template <class S>
+constexpr double half_range = static_cast<double>(scalar_traits<S>::max()) / 2;
+
+/// Whether the momentum that two bodies have against each other is in range, with B at that velocity, as seen from A:
+/// what holds them may have to take all of it, and solvers multiply masses with speeds.
+template <class S, int D, bool Rotates>
+bool is_momentum_in_range(const solver_body<S, D, Rotates>& a, const solver_body<S, D, Rotates>& b,
+                          const vec<double, D>& velocity, double limit = half_range<S> / 2) {
+    const double inverse_mass = static_cast<double>(a.inverse_mass) + static_cast<double>(b.inverse_mass);
+    return inverse_mass == 0 || largest(velocity) <= limit * inverse_mass;
+}
+/// The same of what a joint may have to take, about its own axes too.
+template <class S, int D, bool Rotates>
+bool is_momentum_in_range(const solver_body<S, D, Rotates>& a, const solver_body<S, D, Rotates>& b) {
+    const double limit = to_double(joint_row<S, D>::unlimited());
+    const auto by = converted<double>(b.velocity - a.velocity);
+    if (!is_momentum_in_range(a, b, by.linear, limit)) return false;
+    if constexpr (Rotates) {
+        const auto fits = [limit](double spin, double of_a, double of_b) {
+            return of_a + of_b == 0 || abs(spin) <= limit * (of_a + of_b);
+        };
+        const auto &i = a.inverse_inertia, &k = b.inverse_inertia;
+        if constexpr (D == 2) return fits(by.angular, to_double(i), to_double(k));
+        else
+            return fits(by.angular.x, to_double(i.xx), to_double(k.xx)) &&
+                   fits(by.angular.y, to_double(i.yy), to_double(k.yy)) &&
+                   fits(by.angular.z, to_double(i.zz), to_double(k.zz));
+    }
+    return true;
+}
+template <class S, int D, bool Rotates>
+vec<double, D> velocity_at(const solver_body<S, D, Rotates>& b, [[maybe_unused]] const vec<S, D>& r) {
+    vec<double, D> v = converted<double>(b.velocity.linear);
+    if constexpr (Rotates) v += cross(converted<double>(b.velocity.angular), converted<double>(r));
+    return v;
+}
+/// The same of the surfaces at each point of a contact.
+template <class S, int D, class Features, bool Rotates>
+bool is_momentum_in_range(const contact<S, D, Features>& c, const solver_body<S, D, Rotates>& a,
+                          const solver_body<S, D, Rotates>& b) {
+    for (int k = 0; k < c.count; ++k) {
+        const anchors<S, D> to = c.anchors(k);
+        if (!is_momentum_in_range(a, b, velocity_at(b, to.b) - velocity_at(a, to.a))) return false;
+    }
+    return true;
+}
+
+/// Whether what a contact gave in a step is in range, and its moment about both bodies.
+template <class S, int D, class Features, bool Rotates>
+bool is_impulse_in_range(const contact<S, D, Features>& c, const solver_body<S, D, Rotates>& a,
+                         const solver_body<S, D, Rotates>& b) {
+    double load = 0, moment = 0;
+    for (int k = 0; k < c.count; ++k) {
+        const auto& p = c.points[k];
+        const double of_point = static_cast<double>(p.normal_impulse);
+        if (of_point < 0) return false;
+        load += of_point;
+        if constexpr (Features::friction)
+            if (largest_magnitude(p.friction_impulse) > half_range<S>) return false;
+        const anchors<S, D> to = c.anchors(k);
+        const auto arm = [](const auto& body, const vec<S, D>& r) {
+            return body.inverse_mass > inverse_of<S>(0) ? largest_magnitude(r) : 0.0;
+        };
+        if constexpr (Rotates) moment += of_point * (arm(a, to.a) + arm(b, to.b));
+    }
+    return load <= half_range<S> && moment <= half_range<S>;
+}
+
+/// The same of joints.
+template <class S, int D, class Features, template <class, int> class... Joints>
+bool are_impulses_in_range(const constraints<S, D, Features, joints<Joints...>>& of) {
+    const auto fit = []<class List>(const List& list) {
+        for (std::uint32_t i = 0; i < list.size(); ++i)
+            for (const S given : list[i].sum)
+                if (!(largest_magnitude(given) < to_double(joint_row<S, D>::unlimited()))) return false;
+        return true;
+    };
+    return (fit(of.template joints_of_kind<Joints<S, D>>()) && ...);
+}
+
 }  // namespace detail
 
 PHYSICS_HPP_END
@@ -36167,10 +36272,32 @@ private:
         batch_integrator<Plan> motion(in_, graph_, one, moved_, scratch, tasks);
         const auto all = constraints_of(one);
         const auto& with = in_.settings.solver;
+        if constexpr (is_fixed<S>)
+            if (!starts_in_range(all, one, motion.bodies())) return false;
         if constexpr (requires { Plan::solver::solve(motion.bodies(), all, with, in_.h, scratch, motion, tasks); })
             Plan::solver::solve(motion.bodies(), all, with, in_.h, scratch, motion, tasks);
         else Plan::solver::solve(motion.bodies(), all, with, in_.h, scratch, motion);
-        return motion.finish();
+        if (!motion.finish()) return false;
+        if constexpr (is_fixed<S>) return ends_in_range(all, motion.bodies());
+        else return true;
+    }
+    /// In fixed point, which wraps: whether the bodies of each contact and joint meet with momenta in range,
+    template <class Constraints, class Bodies>
+    bool starts_in_range(const Constraints& all, const batch& one, const Bodies& bodies) const {
+        for (std::uint32_t i = 0; i < one.end - one.edges; ++i) {
+            const body_pair& pair = graph_.ends[one.edges + i];
+            const auto &a = bodies[pair.a], &b = bodies[pair.b];
+            if (!(i < all.size() ? is_momentum_in_range(all[i], a, b) : is_momentum_in_range(a, b))) return false;
+        }
+        return true;
+    }
+    /// and whether they gave impulses in range.
+    template <class Constraints, class Bodies>
+    bool ends_in_range(const Constraints& all, const Bodies& bodies) const {
+        for (std::uint32_t i = 0; i < all.size(); ++i)
+            if (!is_impulse_in_range(all[i], bodies[all.bodies(i).a], bodies[all.bodies(i).b])) return false;
+        if constexpr (Plan::has_joints) return are_impulses_in_range(all);
+        else return true;
     }
     /// A batch's edges are in ascending order, contacts first.
     auto constraints_of(const batch& one) const {
@@ -38216,7 +38343,8 @@ namespace detail {
 
 inline void report(step_result result) {
     if (result == step_result::out_of_range)
-        refuse("step", "a velocity", "not finite", "a force, a speed or a mass is beyond the scalar's range");
+        refuse("step", "a velocity, a position or an impulse", "beyond the scalar's range",
+               "use smaller forces, speeds and masses, or other units");
     if (result == step_result::bad_executor)
         refuse("step", "executor", "left parts out, or did parts twice",
                "it must have a worker at least, and call the work once with every part, as a worker below workers()");

@@ -67,7 +67,7 @@ double distance_of(const World& w, shape_id a, shape_id b) {
         });
     });
 }
-/// How far a shape reaches from the origin, at least 1; without the directions in which it is endless.
+/// How far a shape reaches from the origin, or its frame is, at least 1; without the directions in which it is endless.
 template <class World>
 double size_of(const World& w, shape_id s) {
     using halfspace = typename World::halfspace;
@@ -76,6 +76,7 @@ double size_of(const World& w, shape_id s) {
     });
     double most = 1;
     for (int i = 0; i < World::dimension; ++i) {
+        most = std::max(most, std::abs(as_double(pose_of(w, s).position[i])));
         const double lower = as_double(box.lower[i]), upper = as_double(box.upper[i]);
         if (is_endless &&
             upper / 2 - lower / 2 > 0.1 * as_double(physics::scalar_traits<typename World::scalar>::max()))

@@ -163,5 +163,47 @@ CELL_CASE("joint impacts: what lands elsewhere changes no bit") {
     others_change_no_bit<hard>();
 }
 
+template <class World>
+void heavy_bodies_are_pulled_as_light_ones(bool direct) {
+    const auto scale = [](World& w, body_id b, double mass) {
+        auto m = w.mass(b);
+        m.mass = S(mass);
+        m.inertia = m.inertia * S(mass);
+        w.set_mass(b, m);
+    };
+    for (const double mass : {0.01, 1.0, 1e2, 1e4, 1e6, 1e7})
+        for (const double speed : {0.1, 1.0, 10.0, 100.0, 1e4}) {
+            CAPTURE(mass);
+            CAPTURE(speed);
+            auto w = falling_by<World>(4, direct);
+            auto settings = w.settings();
+            settings.gravity = {};
+            w.set_settings(settings);
+            const body_id at_rest = add_ball(w, at(0)), pulls = add_ball(w, at(2));
+            scale(w, at_rest, mass);
+            scale(w, pulls, 3 * mass);
+            const joint_id joint = w.create_joint(at_rest, pulls, ball_joint{.anchor_a = at(1), .anchor_b = at(-1)});
+            w.set_linear_velocity(pulls, at(speed));
+            const double momentum = 0.75 * mass * speed, most = number(cell::traits::max());
+            if (cell::is_fixed && momentum > most / 8) {
+                CHECK_THROWS(w.step(S(1.0 / 64)));
+                CHECK(w.linear_velocity(pulls) == at(speed));
+                continue;
+            }
+            w.step(S(1.0 / 64));
+            for (const body_id b : {at_rest, pulls})
+                CHECK(number(w.linear_velocity(b)[0]) == doctest::Approx(0.75 * speed).epsilon(2e-3));
+            const double force = std::min(momentum * 64, most);
+            CHECK(number(w.reaction(joint).force[0]) == doctest::Approx(-force).epsilon(0.02));
+        }
+}
+CELL_CASE("joint impacts: heavy bodies are pulled along as light ones, or the step is refused") {
+    for (const bool direct : {true, false}) {
+        CAPTURE(direct);
+        heavy_bodies_are_pulled_as_light_ones<plain>(direct);
+        heavy_bodies_are_pulled_as_light_ones<hard>(direct);
+    }
+}
+
 }  // namespace joint_impact_laws
 }  // namespace

@@ -188,6 +188,16 @@ void inherit_impulses(const contact<S, D, Features>& old, const tangents<S, D>& 
             c.rolling_impulse = same_moment(old_frame, frame, old.rolling_impulse);
 }
 
+/// The load of a step with that of one more substep, or less what a bounce took of it. In fixed point, less than 0 for
+/// good once it has left the range.
+template <class S>
+constexpr S added_load(S total, S load) {
+    const S sum = total + load;
+    if constexpr (detail::is_fixed<S>)
+        if (total < S(0) || (load > S(0) && sum < total)) return S(-1);
+    return sum;
+}
+
 /// What impulses of a step of one length are multiplied with to begin one of another, at most by so much: they hold
 /// loads, which a longer step holds by larger ones. Never nothing, so that loads outlive steps of microseconds.
 template <class S>

@@ -136,7 +136,7 @@ S bounce_points(Point* points, int count, const Bounces& bounces, int lane, Spee
         });
     }
     for (int k = 0; k < count; ++k) {
-        points[k].total[lane] += impulses[k];
+        points[k].total[lane] = solver_api::added_load(points[k].total[lane], impulses[k]);
         if (bounces.speed[k][lane] > S(0)) stopped += points[k].impulse[lane];
     }
     return load > S(0) ? stopped / load : S(1);

@@ -244,8 +244,13 @@ struct row_lanes : own_directions<S, D, W, Two> {
         own.store(mass);
         limit.store(max_bias);
         max(min(P::load(error), max_error), -max_error).store(error);
-        const P low_impulse = select_greater(own, zero, max(P::load(low), P::broadcast(-max_force)) * h, zero),
-                high_impulse = select_greater(own, zero, min(P::load(high), P::broadcast(max_force)) * h, zero);
+        // What gives all that it takes has no bound: in fixed point even the largest force gives little in a substep.
+        const P endless = P::broadcast(unlimited);
+        const auto bound = [&](const P& force) {
+            return select_greater(endless, force, min(force, P::broadcast(max_force)) * h, endless);
+        };
+        const P low_impulse = select_greater(own, zero, -bound(-P::load(low)), zero),
+                high_impulse = select_greater(own, zero, bound(P::load(high)), zero);
         low_impulse.store(low);
         high_impulse.store(high);
         // What is off forgets what it gave.

@@ -189,7 +189,7 @@ struct sequential_impulse {
             }
             void add_up(int count) {
                 for (int k = 0; k < count; ++k) {
-                    rows[k].total += rows[k].normal + rows[k].bounce.impulse;
+                    rows[k].total = solver_api::added_load(rows[k].total, rows[k].normal + rows[k].bounce.impulse);
                     if constexpr (Features::friction) rows[k].total_friction += rows[k].friction;
                 }
                 if constexpr (Features::rolling_resistance) total_rolling += rolling;

@@ -51,7 +51,12 @@ PHYSICS_HPP_ALWAYS_INLINE P next_impulse(Point& point, const P& speed, const P& 
 /// Ends a substep: adds the loads of the points to the step's impulses.
 template <class P, class Point>
 PHYSICS_HPP_ALWAYS_INLINE void add_totals(Point* points, int count) {
-    for (int k = 0; k < count; ++k) (P::load(points[k].total) + P::load(points[k].impulse)).store(points[k].total);
+    using S = typename P::scalar;
+    for (int k = 0; k < count; ++k)
+        if constexpr (is_fixed<S>)
+            for (int lane = 0; lane < P::width; ++lane)
+                points[k].total[lane] = solver_api::added_load(points[k].total[lane], points[k].impulse[lane]);
+        else (P::load(points[k].total) + P::load(points[k].impulse)).store(points[k].total);
 }
 
 template <class S, int D, int W>

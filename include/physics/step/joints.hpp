@@ -4,6 +4,7 @@
 #include "physics/base/pool.hpp"
 #include "physics/broadphase/concept.hpp"
 #include "physics/dynamics/constraints.hpp"
+#include "physics/dynamics/convert.hpp"
 #include "physics/step/awake.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -212,24 +213,28 @@ void publish_joints(step_joints<S, D, Joints>& found, S h, joint_set<S, D, Joint
     });
 }
 
-/// What a joint gave in the last step, along its rows where its bodies are.
+/// What a joint gave in the last step, along its rows where its bodies are. In fixed point a force may be beyond the
+/// range where its impulse is not: it is the largest then.
 template <class Joint, class S, int D, bool Rotates>
 joint_reaction<S, D> reaction_of(const stored_joint<Joint, S>& j, const body<S, D, Rotates>& a,
                                  const body<S, D, Rotates>& b) {
-    joint_reaction<S, D> sum{};
-    if (!(j.step > S(0))) return sum;
-    auto at = frames_between<Joint>(a, b);
-    const auto turned = count_turns(j.joint, at, j.turned);
-    at.turned = turned.begin();
-    row_list<S, D, Joint::row_count, has_two_directions<Joint>()> rows;
-    rows_of(j.joint, at, rows.target());
-    const auto& row = rows.row;
-    for (int k = 0; k < Joint::row_count; ++k) {
-        const S force = j.sum[k] / j.step;
-        sum.force += row[k].direction * force;
-        sum.torque += (row[k].angular_b - cross(row[k].r_b, row[k].direction)) * force;
+    using C = std::conditional_t<is_fixed<S>, double, S>;
+    joint_reaction<C, D> sum{};
+    if (j.step > S(0)) {
+        auto at = frames_between<Joint>(a, b);
+        const auto turned = count_turns(j.joint, at, j.turned);
+        at.turned = turned.begin();
+        row_list<S, D, Joint::row_count, has_two_directions<Joint>()> rows;
+        rows_of(j.joint, at, rows.target());
+        const auto& row = rows.row;
+        for (int k = 0; k < Joint::row_count; ++k) {
+            const C force = static_cast<C>(j.sum[k]) / static_cast<C>(j.step);
+            const auto about = row[k].angular_b - cross(row[k].r_b, row[k].direction);
+            sum.force += converted<C>(row[k].direction) * force;
+            sum.torque += converted<C>(about) * force;
+        }
     }
-    return sum;
+    return {converted<S>(sum.force), converted<S>(sum.torque)};
 }
 /// Joints that gave more than they can bear are no longer enabled; their bodies start to be still anew.
 template <class S, int D, class Joints, bool Rotates, class Sleep>

@@ -55,10 +55,32 @@ private:
         batch_integrator<Plan> motion(in_, graph_, one, moved_, scratch, tasks);
         const auto all = constraints_of(one);
         const auto& with = in_.settings.solver;
+        if constexpr (is_fixed<S>)
+            if (!starts_in_range(all, one, motion.bodies())) return false;
         if constexpr (requires { Plan::solver::solve(motion.bodies(), all, with, in_.h, scratch, motion, tasks); })
             Plan::solver::solve(motion.bodies(), all, with, in_.h, scratch, motion, tasks);
         else Plan::solver::solve(motion.bodies(), all, with, in_.h, scratch, motion);
-        return motion.finish();
+        if (!motion.finish()) return false;
+        if constexpr (is_fixed<S>) return ends_in_range(all, motion.bodies());
+        else return true;
+    }
+    /// In fixed point, which wraps: whether the bodies of each contact and joint meet with momenta in range,
+    template <class Constraints, class Bodies>
+    bool starts_in_range(const Constraints& all, const batch& one, const Bodies& bodies) const {
+        for (std::uint32_t i = 0; i < one.end - one.edges; ++i) {
+            const body_pair& pair = graph_.ends[one.edges + i];
+            const auto &a = bodies[pair.a], &b = bodies[pair.b];
+            if (!(i < all.size() ? is_momentum_in_range(all[i], a, b) : is_momentum_in_range(a, b))) return false;
+        }
+        return true;
+    }
+    /// and whether they gave impulses in range.
+    template <class Constraints, class Bodies>
+    bool ends_in_range(const Constraints& all, const Bodies& bodies) const {
+        for (std::uint32_t i = 0; i < all.size(); ++i)
+            if (!is_impulse_in_range(all[i], bodies[all.bodies(i).a], bodies[all.bodies(i).b])) return false;
+        if constexpr (Plan::has_joints) return are_impulses_in_range(all);
+        else return true;
     }
     /// A batch's edges are in ascending order, contacts first.
     auto constraints_of(const batch& one) const {

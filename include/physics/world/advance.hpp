@@ -10,7 +10,8 @@ namespace detail {
 
 inline void report(step_result result) {
     if (result == step_result::out_of_range)
-        refuse("step", "a velocity", "not finite", "a force, a speed or a mass is beyond the scalar's range");
+        refuse("step", "a velocity, a position or an impulse", "beyond the scalar's range",
+               "use smaller forces, speeds and masses, or other units");
     if (result == step_result::bad_executor)
         refuse("step", "executor", "left parts out, or did parts twice",
                "it must have a worker at least, and call the work once with every part, as a worker below workers()");
