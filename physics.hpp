@@ -32660,9 +32660,45 @@ struct sensor_state {
     buffer<std::uint32_t> of_static;
     /// Pairs of a sensor and what is in it, in ascending order.
     buffer<proxy_pair> inside;
-    /// What left by being destroyed since the last step.
+    /// Their numbers by visitor; made when the first shape is removed after a step.
+    buffer<std::uint32_t> by_visitor;
+    /// Those of which a shape has been removed since.
+    bit_array gone;
+    /// What left by being destroyed since the last step; each pair that is gone is among it.
     buffer<sensor_event> dropped;
-    PHYSICS_HPP_MEMBERS(is_sensor, count, of_static, inside, dropped)
+    PHYSICS_HPP_MEMBERS(is_sensor, count, of_static, inside, by_visitor, gone, dropped)
+
+    /// Takes the memory to remove shapes: O(n log n) in pairs once after a step, then O(1).
+    void prepare_removal() {
+        gone.grow(inside.size());
+        dropped.reserve(inside.size());
+        if (by_visitor.size() == inside.size()) return;
+        by_visitor.resize(inside.size());
+        for (std::uint32_t i = 0; i < inside.size(); ++i) by_visitor[i] = i;
+        sort_in_place(by_visitor.begin(), by_visitor.size(), [this](std::uint32_t x, std::uint32_t y) {
+            return inside[x].b != inside[y].b ? inside[x].b < inside[y].b : x < y;
+        });
+    }
+    /// Calls f(number) for all pairs of a sensor, or a visitor.
+    template <class F>
+    void each_of_sensor(std::uint32_t shape, F&& f) const {
+        std::uint32_t i = count_before(inside, [&](const proxy_pair& p) { return p.a < shape; });
+        for (; i < inside.size() && inside[i].a == shape; ++i)
+            if (!gone.has(i)) f(i);
+    }
+    template <class F>
+    void each_of_visitor(std::uint32_t shape, F&& f) const {
+        std::uint32_t k = count_before(by_visitor, [&](std::uint32_t i) { return inside[i].b < shape; });
+        for (; k < by_visitor.size() && inside[by_visitor[k]].b == shape; ++k)
+            if (!gone.has(by_visitor[k])) f(by_visitor[k]);
+    }
+    /// Others are inside now.
+    void set_inside(buffer<proxy_pair>& now) {
+        inside.swap(now);
+        by_visitor.clear();
+        gone.clear();
+        dropped.clear();
+    }
 };
 
 /// A body that goes far in a step, and what it fills on its way.
@@ -35906,7 +35942,7 @@ public:
             if (p == std::exchange(last, p)) continue;
             // What was inside is there, or leaves.
             const std::uint32_t at = count_before(sensors.inside, [&](const proxy_pair& q) { return q < p; });
-            if (at < sensors.inside.size() && sensors.inside[at] == p) continue;
+            if (at < sensors.inside.size() && sensors.inside[at] == p && !sensors.gone.has(at)) continue;
             if (meet(in_.shapes[p.a], in_.shapes[p.b])) passed[kept++] = p;
         }
         passed.resize(kept);
@@ -36079,20 +36115,17 @@ sensor_event sensor_event_of(const pool<typename Plan::body>& bodies, const shap
     return {e.shape_a,      e.shape_b,     e.body_a,      e.body_b, e.shape_data_a,
             e.shape_data_b, e.body_data_a, e.body_data_b, false};
 }
-/// Forgets what is in sensors, or in which sensors something is, of shapes for which gone(shape) is true.
-template <class Plan, class Gone>
+/// Forgets what is in a shape, and in which sensors it is. Nothing fails after sensors.prepare_removal.
+template <class Plan>
 void drop_visitors(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes, sensor_state& sensors,
-                   Gone&& gone) {
-    std::uint32_t kept = 0;
-    for (const proxy_pair p : sensors.inside) {
-        if (!gone(p.a) && !gone(p.b)) {
-            sensors.inside[kept++] = p;
-            continue;
-        }
-        sensors.dropped.push_back(sensor_event_of<Plan>(bodies, shapes, p));
+                   std::uint32_t shape) {
+    const auto drop = [&](std::uint32_t i) {
+        sensors.dropped.push_back(sensor_event_of<Plan>(bodies, shapes, sensors.inside[i]));
         sensors.dropped.back().gone = true;
-    }
-    sensors.inside.resize(kept);
+        sensors.gone.set(i);
+    };
+    sensors.each_of_sensor(shape, drop);
+    sensors.each_of_visitor(shape, drop);
 }
 
 /// What the sensors of a world see.
@@ -36123,7 +36156,9 @@ public:
         auto &before = sensors.inside, &now = to.overlaps, &next = to.now_inside;
         next.clear();
         for (std::uint32_t i = 0, k = 0; i < before.size() || k < now.size();) {
-            if (i < before.size() && k < now.size() && before[i] == now[k]) {
+            if (i < before.size() && sensors.gone.has(i)) {
+                ++i;
+            } else if (i < before.size() && k < now.size() && before[i] == now[k]) {
                 next.push_back(now[k]);
                 ++i, ++k;
             } else if (k == now.size() || (i < before.size() && before[i] < now[k])) {
@@ -36136,14 +36171,13 @@ public:
             }
         }
         to.sensor_end.reserve(to.sensor_end.size() + sensors.dropped.size());
-        before.swap(next);
         for (const sensor_event& e : sensors.dropped) to.sensor_end.push_back(e);
         if (!sensors.dropped.empty())
             sort_in_place(
                 to.sensor_end.begin(), to.sensor_end.size(), [](const sensor_event& x, const sensor_event& y) {
                     return proxy_pair{x.sensor.index, x.visitor.index} < proxy_pair{y.sensor.index, y.visitor.index};
                 });
-        sensors.dropped.clear();
+        sensors.set_inside(next);
         for (auto* events : {&to.sensor_begin, &to.sensor_end})
             for (sensor_event& e : *events)
                 e.sensor.world = e.visitor.world = e.sensor_body.world = e.visitor_body.world = in_.tag;
@@ -38913,7 +38947,7 @@ void prepare_removal(world_data<Plan>& s, Each&& each, std::uint32_t shape) {
     if constexpr (Plan::events::contacts) s.dropped.list.reserve(s.dropped.list.size() + contacts);
     if constexpr (Plan::has_joints && Plan::events::joint_limits)
         s.joint_limits.dropped.reserve(s.joint_limits.dropped.size() + joints);
-    if constexpr (Plan::events::sensors) s.sensors.dropped.reserve(s.sensors.dropped.size() + s.sensors.inside.size());
+    if constexpr (Plan::events::sensors) s.sensors.prepare_removal();
     prepare_waking(s, shapes);
 }
 
@@ -38933,12 +38967,12 @@ void erase_joint(world_data<Plan>& s, std::uint32_t index) {
     s.joints.records.erase(index);
 }
 
-/// Forgets shapes as sensors, and in sensors, for which gone(shape) is true and each(f) calls f(shape).
-template <class Plan, class Each, class Gone>
-void drop_sensors([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] Each&& each, [[maybe_unused]] Gone&& gone) {
+/// Forgets shapes as sensors, and in sensors, for which each(f) calls f(shape).
+template <class Plan, class Each>
+void drop_sensors([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] Each&& each) {
     if constexpr (Plan::events::sensors) {
-        drop_visitors<Plan>(s.bodies, s.shapes, s.sensors, gone);
         each([&](std::uint32_t shape) {
+            drop_visitors<Plan>(s.bodies, s.shapes, s.sensors, shape);
             if (!s.sensors.is_sensor[shape]) return;
             s.sensors.is_sensor.clear(shape);
             s.sensors.count = s.sensors.count - 1;
@@ -38952,9 +38986,9 @@ void drop_sensors([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] Each&& 
     }
 }
 
-/// Removes bodies, for which each(f) calls f(body) and is_gone(body) is true.
-template <class Plan, class Each, class Gone>
-void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
+/// Removes bodies, for which each(f) calls f(body).
+template <class Plan, class Each>
+void destroy_bodies(world_data<Plan>& s, Each&& each) {
     start_waking(s);
     list_affected(s, each);
     prepare_removal(s, each, no_shape);
@@ -38965,12 +38999,9 @@ void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
             s.joints.each_of(body, [&](std::uint32_t i, const auto&) { erase_joint(s, i); });
         });
     s.awake.is_stale = true;
-    drop_sensors(
-        s,
-        [&](auto&& f) {
-            each([&](std::uint32_t body) { each_shape(s, body, [&](std::uint32_t i, const auto&) { f(i); }); });
-        },
-        [&](std::uint32_t shape) { return is_gone(s.shapes[shape].body); });
+    drop_sensors(s, [&](auto&& f) {
+        each([&](std::uint32_t body) { each_shape(s, body, [&](std::uint32_t i, const auto&) { f(i); }); });
+    });
     each([&](std::uint32_t body) {
         each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>&) {
             s.broadphase.erase(i);
@@ -38981,8 +39012,7 @@ void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
 }
 template <class Plan>
 void destroy_body(world_data<Plan>& s, std::uint32_t index) {
-    destroy_bodies(
-        s, [&](auto&& f) { f(index); }, [&](std::uint32_t body) { return body == index; });
+    destroy_bodies(s, [&](auto&& f) { f(index); });
 }
 template <class Plan>
 void destroy_bodies(world_data<Plan>& s, const body_id* ids, std::uint32_t count) {
@@ -39003,24 +39033,18 @@ void destroy_bodies(world_data<Plan>& s, const body_id* ids, std::uint32_t count
         }
         gone.set(at.index);
     }
-    destroy_bodies(
-        s,
-        [&](auto&& destroy) {
-            for (std::uint32_t i = 0; i < count; ++i) destroy(ids[i].index);
-        },
-        [&](std::uint32_t body) { return gone[body]; });
+    destroy_bodies(s, [&](auto&& destroy) {
+        for (std::uint32_t i = 0; i < count; ++i) destroy(ids[i].index);
+    });
 }
 template <class Plan>
 void clear(world_data<Plan>& s) {
     if (!check_not_in_step(s, "clear")) return;
     buffer<std::uint32_t> all;
     s.bodies.each([&](std::uint32_t i, const auto&) { all.push_back(i); });
-    destroy_bodies(
-        s,
-        [&](auto&& destroy) {
-            for (const std::uint32_t i : all) destroy(i);
-        },
-        [](std::uint32_t) { return true; });
+    destroy_bodies(s, [&](auto&& destroy) {
+        for (const std::uint32_t i : all) destroy(i);
+    });
 }
 
 template <class Plan>
@@ -39036,8 +39060,7 @@ void destroy_shape(world_data<Plan>& s, std::uint32_t index) {
         s, [&](auto&& f) { f(body); }, index);
     finish_waking(s);
     remove_contacts(s, body, index);
-    drop_sensors(
-        s, [&](auto&& f) { f(index); }, [&](std::uint32_t shape) { return shape == index; });
+    drop_sensors(s, [&](auto&& f) { f(index); });
     std::uint32_t* link = &s.bodies[body].first_shape;
     while (*link != index) link = &s.shapes[*link].next;
     *link = s.shapes[index].next;
@@ -40695,10 +40718,10 @@ public:
         if (!at) return;
         small_list found;
         const auto& s = data();
-        const auto& inside = s.sensors.inside;
-        for (std::uint32_t i = detail::count_before(inside, [&](const proxy_pair& p) { return p.a < at.index; });
-             i < inside.size() && inside[i].a == at.index; ++i)
-            found.push_back({inside[i].b, s.shapes.generation(inside[i].b), s.tag});
+        s.sensors.each_of_sensor(at.index, [&](std::uint32_t i) {
+            const std::uint32_t visitor = s.sensors.inside[i].b;
+            found.push_back({visitor, s.shapes.generation(visitor), s.tag});
+        });
         for (const shape_id visitor : found)
             if (visitor.world == data().tag && s.shapes.contains(visitor.index, visitor.generation)) visit(visitor);
     }

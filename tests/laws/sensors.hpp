@@ -338,5 +338,52 @@ CELL_CASE("sensors: a thousand on one body, and what is in many of them at once"
     CHECK(w.sensor_end_events().size() == entered);
 }
 
+CELL_CASE("sensors: what is removed has left at once, and others that get its number come in as others") {
+    cell::dice dice(5);
+    world w{{.gravity = {}}};
+    listener heard;
+    std::vector<body_id> zones, guests;
+    const auto add_zone = [&] {
+        zones.push_back(w.create_body({.type = body_type::static_body}));
+        w.create_shape(zones.back(), world::ball{S(4)}, {.sensor = true});
+    };
+    const auto add_guest = [&] {
+        guests.push_back(w.create_body({.position = at(dice.number(-6, 6), dice.number(-6, 6))}));
+        w.create_shape(guests.back(), world::ball{S(0.25)}, {.filter = {.group = -1}});
+    };
+    const auto drop_any = [&](std::vector<body_id>& from) {
+        const std::size_t which = std::size_t(dice.below(int(from.size())));
+        w.destroy_body(from[which]);
+        from.erase(from.begin() + long(which));
+    };
+    for (int i = 0; i < 3; ++i) add_zone();
+    for (int i = 0; i < 40; ++i) add_guest();
+    for (int round = 0; round < 30; ++round) {
+        w.step(S(1.0 / 64));
+        heard.hear(w);
+        // As long as nothing steps, visitors are those of the step that are left.
+        std::map<pair, std::pair<std::uint64_t, std::uint64_t>> left = heard.inside;
+        for (int i = dice.below(12); i > 0; --i) {
+            const int what = dice.below(8);
+            if (what == 0 && zones.size() > 1) drop_any(zones), add_zone();
+            else if (what < 4) drop_any(guests), add_guest();
+            else if (guests.size() > 4) drop_any(guests);
+            const world copy = w;
+            for (const world* each : {static_cast<const world*>(&w), &copy}) {
+                std::set<pair> seen, expected;
+                for (const body_id zone : zones)
+                    for (const shape_id sensor : each->shapes(zone))
+                        each->each_visitor(sensor, [&](shape_id visitor) { seen.insert({sensor, visitor}); });
+                for (const auto& [key, data] : left)
+                    if (w.contains(key.first) && w.contains(key.second)) expected.insert(key);
+                CHECK(seen.size() == expected.size());
+                if (each == &w) CHECK((seen == expected));
+            }
+        }
+        while (guests.size() < 40) add_guest();
+    }
+    CHECK(heard.gone > 50);
+}
+
 }  // namespace sensors_laws
 }  // namespace

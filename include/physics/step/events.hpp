@@ -4,6 +4,7 @@
 #include "physics/base/bit_array.hpp"
 #include "physics/base/buffer.hpp"
 #include "physics/base/handle.hpp"
+#include "physics/base/sort.hpp"
 #include "physics/base/stage.hpp"
 #include "physics/broadphase/concept.hpp"
 #include "physics/space/aabb.hpp"
@@ -149,9 +150,45 @@ struct sensor_state {
     buffer<std::uint32_t> of_static;
     /// Pairs of a sensor and what is in it, in ascending order.
     buffer<proxy_pair> inside;
-    /// What left by being destroyed since the last step.
+    /// Their numbers by visitor; made when the first shape is removed after a step.
+    buffer<std::uint32_t> by_visitor;
+    /// Those of which a shape has been removed since.
+    bit_array gone;
+    /// What left by being destroyed since the last step; each pair that is gone is among it.
     buffer<sensor_event> dropped;
-    PHYSICS_HPP_MEMBERS(is_sensor, count, of_static, inside, dropped)
+    PHYSICS_HPP_MEMBERS(is_sensor, count, of_static, inside, by_visitor, gone, dropped)
+
+    /// Takes the memory to remove shapes: O(n log n) in pairs once after a step, then O(1).
+    void prepare_removal() {
+        gone.grow(inside.size());
+        dropped.reserve(inside.size());
+        if (by_visitor.size() == inside.size()) return;
+        by_visitor.resize(inside.size());
+        for (std::uint32_t i = 0; i < inside.size(); ++i) by_visitor[i] = i;
+        sort_in_place(by_visitor.begin(), by_visitor.size(), [this](std::uint32_t x, std::uint32_t y) {
+            return inside[x].b != inside[y].b ? inside[x].b < inside[y].b : x < y;
+        });
+    }
+    /// Calls f(number) for all pairs of a sensor, or a visitor.
+    template <class F>
+    void each_of_sensor(std::uint32_t shape, F&& f) const {
+        std::uint32_t i = count_before(inside, [&](const proxy_pair& p) { return p.a < shape; });
+        for (; i < inside.size() && inside[i].a == shape; ++i)
+            if (!gone.has(i)) f(i);
+    }
+    template <class F>
+    void each_of_visitor(std::uint32_t shape, F&& f) const {
+        std::uint32_t k = count_before(by_visitor, [&](std::uint32_t i) { return inside[i].b < shape; });
+        for (; k < by_visitor.size() && inside[by_visitor[k]].b == shape; ++k)
+            if (!gone.has(by_visitor[k])) f(by_visitor[k]);
+    }
+    /// Others are inside now.
+    void set_inside(buffer<proxy_pair>& now) {
+        inside.swap(now);
+        by_visitor.clear();
+        gone.clear();
+        dropped.clear();
+    }
 };
 
 /// A body that goes far in a step, and what it fills on its way.

@@ -54,7 +54,7 @@ public:
             if (p == std::exchange(last, p)) continue;
             // What was inside is there, or leaves.
             const std::uint32_t at = count_before(sensors.inside, [&](const proxy_pair& q) { return q < p; });
-            if (at < sensors.inside.size() && sensors.inside[at] == p) continue;
+            if (at < sensors.inside.size() && sensors.inside[at] == p && !sensors.gone.has(at)) continue;
             if (meet(in_.shapes[p.a], in_.shapes[p.b])) passed[kept++] = p;
         }
         passed.resize(kept);

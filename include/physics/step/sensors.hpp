@@ -48,20 +48,17 @@ sensor_event sensor_event_of(const pool<typename Plan::body>& bodies, const shap
     return {e.shape_a,      e.shape_b,     e.body_a,      e.body_b, e.shape_data_a,
             e.shape_data_b, e.body_data_a, e.body_data_b, false};
 }
-/// Forgets what is in sensors, or in which sensors something is, of shapes for which gone(shape) is true.
-template <class Plan, class Gone>
+/// Forgets what is in a shape, and in which sensors it is. Nothing fails after sensors.prepare_removal.
+template <class Plan>
 void drop_visitors(const pool<typename Plan::body>& bodies, const shape_pool<Plan>& shapes, sensor_state& sensors,
-                   Gone&& gone) {
-    std::uint32_t kept = 0;
-    for (const proxy_pair p : sensors.inside) {
-        if (!gone(p.a) && !gone(p.b)) {
-            sensors.inside[kept++] = p;
-            continue;
-        }
-        sensors.dropped.push_back(sensor_event_of<Plan>(bodies, shapes, p));
+                   std::uint32_t shape) {
+    const auto drop = [&](std::uint32_t i) {
+        sensors.dropped.push_back(sensor_event_of<Plan>(bodies, shapes, sensors.inside[i]));
         sensors.dropped.back().gone = true;
-    }
-    sensors.inside.resize(kept);
+        sensors.gone.set(i);
+    };
+    sensors.each_of_sensor(shape, drop);
+    sensors.each_of_visitor(shape, drop);
 }
 
 /// What the sensors of a world see.
@@ -92,7 +89,9 @@ public:
         auto &before = sensors.inside, &now = to.overlaps, &next = to.now_inside;
         next.clear();
         for (std::uint32_t i = 0, k = 0; i < before.size() || k < now.size();) {
-            if (i < before.size() && k < now.size() && before[i] == now[k]) {
+            if (i < before.size() && sensors.gone.has(i)) {
+                ++i;
+            } else if (i < before.size() && k < now.size() && before[i] == now[k]) {
                 next.push_back(now[k]);
                 ++i, ++k;
             } else if (k == now.size() || (i < before.size() && before[i] < now[k])) {
@@ -105,14 +104,13 @@ public:
             }
         }
         to.sensor_end.reserve(to.sensor_end.size() + sensors.dropped.size());
-        before.swap(next);
         for (const sensor_event& e : sensors.dropped) to.sensor_end.push_back(e);
         if (!sensors.dropped.empty())
             sort_in_place(
                 to.sensor_end.begin(), to.sensor_end.size(), [](const sensor_event& x, const sensor_event& y) {
                     return proxy_pair{x.sensor.index, x.visitor.index} < proxy_pair{y.sensor.index, y.visitor.index};
                 });
-        sensors.dropped.clear();
+        sensors.set_inside(next);
         for (auto* events : {&to.sensor_begin, &to.sensor_end})
             for (sensor_event& e : *events)
                 e.sensor.world = e.visitor.world = e.sensor_body.world = e.visitor_body.world = in_.tag;

@@ -83,10 +83,10 @@ public:
         if (!at) return;
         small_list found;
         const auto& s = data();
-        const auto& inside = s.sensors.inside;
-        for (std::uint32_t i = detail::count_before(inside, [&](const proxy_pair& p) { return p.a < at.index; });
-             i < inside.size() && inside[i].a == at.index; ++i)
-            found.push_back({inside[i].b, s.shapes.generation(inside[i].b), s.tag});
+        s.sensors.each_of_sensor(at.index, [&](std::uint32_t i) {
+            const std::uint32_t visitor = s.sensors.inside[i].b;
+            found.push_back({visitor, s.shapes.generation(visitor), s.tag});
+        });
         for (const shape_id visitor : found)
             if (visitor.world == data().tag && s.shapes.contains(visitor.index, visitor.generation)) visit(visitor);
     }

@@ -50,7 +50,7 @@ void prepare_removal(world_data<Plan>& s, Each&& each, std::uint32_t shape) {
     if constexpr (Plan::events::contacts) s.dropped.list.reserve(s.dropped.list.size() + contacts);
     if constexpr (Plan::has_joints && Plan::events::joint_limits)
         s.joint_limits.dropped.reserve(s.joint_limits.dropped.size() + joints);
-    if constexpr (Plan::events::sensors) s.sensors.dropped.reserve(s.sensors.dropped.size() + s.sensors.inside.size());
+    if constexpr (Plan::events::sensors) s.sensors.prepare_removal();
     prepare_waking(s, shapes);
 }
 
@@ -70,12 +70,12 @@ void erase_joint(world_data<Plan>& s, std::uint32_t index) {
     s.joints.records.erase(index);
 }
 
-/// Forgets shapes as sensors, and in sensors, for which gone(shape) is true and each(f) calls f(shape).
-template <class Plan, class Each, class Gone>
-void drop_sensors([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] Each&& each, [[maybe_unused]] Gone&& gone) {
+/// Forgets shapes as sensors, and in sensors, for which each(f) calls f(shape).
+template <class Plan, class Each>
+void drop_sensors([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] Each&& each) {
     if constexpr (Plan::events::sensors) {
-        drop_visitors<Plan>(s.bodies, s.shapes, s.sensors, gone);
         each([&](std::uint32_t shape) {
+            drop_visitors<Plan>(s.bodies, s.shapes, s.sensors, shape);
             if (!s.sensors.is_sensor[shape]) return;
             s.sensors.is_sensor.clear(shape);
             s.sensors.count = s.sensors.count - 1;
@@ -89,9 +89,9 @@ void drop_sensors([[maybe_unused]] world_data<Plan>& s, [[maybe_unused]] Each&& 
     }
 }
 
-/// Removes bodies, for which each(f) calls f(body) and is_gone(body) is true.
-template <class Plan, class Each, class Gone>
-void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
+/// Removes bodies, for which each(f) calls f(body).
+template <class Plan, class Each>
+void destroy_bodies(world_data<Plan>& s, Each&& each) {
     start_waking(s);
     list_affected(s, each);
     prepare_removal(s, each, no_shape);
@@ -102,12 +102,9 @@ void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
             s.joints.each_of(body, [&](std::uint32_t i, const auto&) { erase_joint(s, i); });
         });
     s.awake.is_stale = true;
-    drop_sensors(
-        s,
-        [&](auto&& f) {
-            each([&](std::uint32_t body) { each_shape(s, body, [&](std::uint32_t i, const auto&) { f(i); }); });
-        },
-        [&](std::uint32_t shape) { return is_gone(s.shapes[shape].body); });
+    drop_sensors(s, [&](auto&& f) {
+        each([&](std::uint32_t body) { each_shape(s, body, [&](std::uint32_t i, const auto&) { f(i); }); });
+    });
     each([&](std::uint32_t body) {
         each_shape(s, body, [&](std::uint32_t i, const shape_record<Plan>&) {
             s.broadphase.erase(i);
@@ -118,8 +115,7 @@ void destroy_bodies(world_data<Plan>& s, Each&& each, Gone&& is_gone) {
 }
 template <class Plan>
 void destroy_body(world_data<Plan>& s, std::uint32_t index) {
-    destroy_bodies(
-        s, [&](auto&& f) { f(index); }, [&](std::uint32_t body) { return body == index; });
+    destroy_bodies(s, [&](auto&& f) { f(index); });
 }
 template <class Plan>
 void destroy_bodies(world_data<Plan>& s, const body_id* ids, std::uint32_t count) {
@@ -140,24 +136,18 @@ void destroy_bodies(world_data<Plan>& s, const body_id* ids, std::uint32_t count
         }
         gone.set(at.index);
     }
-    destroy_bodies(
-        s,
-        [&](auto&& destroy) {
-            for (std::uint32_t i = 0; i < count; ++i) destroy(ids[i].index);
-        },
-        [&](std::uint32_t body) { return gone[body]; });
+    destroy_bodies(s, [&](auto&& destroy) {
+        for (std::uint32_t i = 0; i < count; ++i) destroy(ids[i].index);
+    });
 }
 template <class Plan>
 void clear(world_data<Plan>& s) {
     if (!check_not_in_step(s, "clear")) return;
     buffer<std::uint32_t> all;
     s.bodies.each([&](std::uint32_t i, const auto&) { all.push_back(i); });
-    destroy_bodies(
-        s,
-        [&](auto&& destroy) {
-            for (const std::uint32_t i : all) destroy(i);
-        },
-        [](std::uint32_t) { return true; });
+    destroy_bodies(s, [&](auto&& destroy) {
+        for (const std::uint32_t i : all) destroy(i);
+    });
 }
 
 template <class Plan>
@@ -173,8 +163,7 @@ void destroy_shape(world_data<Plan>& s, std::uint32_t index) {
         s, [&](auto&& f) { f(body); }, index);
     finish_waking(s);
     remove_contacts(s, body, index);
-    drop_sensors(
-        s, [&](auto&& f) { f(index); }, [&](std::uint32_t shape) { return shape == index; });
+    drop_sensors(s, [&](auto&& f) { f(index); });
     std::uint32_t* link = &s.bodies[body].first_shape;
     while (*link != index) link = &s.shapes[*link].next;
     *link = s.shapes[index].next;
