@@ -204,6 +204,20 @@ CELL_CASE("limits: a step that leaves the range of numbers is refused, changes n
     }
 }
 
+CELL_CASE("limits: a step in which a frame leaves the range is refused, though the centre of mass stays") {
+    world w{{.gravity = {}}};
+    const body_id id = w.create_body();
+    w.set_mass(id, {S(1), along(0, largest() * 0.75), w.mass(id).inertia});
+    // Half a turn takes the frame to the other side of it.
+    w.set_angular_velocity(id, about_z(64 * 3.14159));
+    const auto before = picture(w);
+    refuses(w, "step", "a velocity, a position or an impulse", "", [&] { w.step(S(1.0 / 64)); });
+    CHECK(picture(w) == before);
+    w.set_angular_velocity(id, {});
+    w.step(S(1.0 / 64));
+    CHECK(picture(w) == before);
+}
+
 CELL_CASE("limits: forces, impulses and poses that would leave the range of numbers are refused") {
     scenery s;
     world& w = s.w;

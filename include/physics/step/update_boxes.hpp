@@ -32,7 +32,7 @@ public:
         if (has_begun_ && !is_kept_) restore();
     }
 
-    /// False if a box is beyond the scalar's range, or the executor fails.
+    /// False if a box or a frame is beyond the scalar's range, or the executor fails.
     bool run(arena& scratch, task_runner& tasks) {
         reserve_changes(boxes_, shapes_.slots(), 0);
         has_begun_ = true;
@@ -48,9 +48,11 @@ private:
     bool update() {
         bool fit = true;
         for (std::uint32_t k = 0; k < awake_.size() && fit; ++k)
-            place_shapes(k, [&](std::uint32_t n, const aabb<S, D>& box) {
-                if (fit = fit && is_box(box); fit) move(k, n, box);
-            });
+            fit = place_shapes(k,
+                               [&](std::uint32_t n, const aabb<S, D>& box) {
+                                   if (fit = fit && is_box(box); fit) move(k, n, box);
+                               }) &&
+                  fit;
         return fit;
     }
     /// Boxes that are left move one by one: what the broadphase makes of them may depend on their order.
@@ -61,11 +63,12 @@ private:
         tasks.parallel_for(count, 128, [&](std::uint32_t first, std::uint32_t end, std::uint32_t) {
             for (std::uint32_t k = first; k < end; ++k) {
                 changes[k] = stays;
-                place_shapes(k, [&](std::uint32_t n, const aabb<S, D>& box) {
+                const bool fits = place_shapes(k, [&](std::uint32_t n, const aabb<S, D>& box) {
                     if constexpr (requires { boxes_.holds(n, box); })
                         if (boxes_.holds(n, box)) return;
                     changes[k] = !is_box(box) || changes[k] == lost ? lost : leaves;
                 });
+                if (!fits) changes[k] = lost;
             }
         });
         bool fit = tasks.ran_all_tasks();
@@ -83,9 +86,10 @@ private:
         };
         run_if_memory_lasts(restore_boxes);
     }
-    /// Puts the shapes of a body where it is now, and calls f(shape's number, box) for each.
+    /// Puts the shapes of a body where it is now, and calls f(shape's number, box) for each. False if its frame is out
+    /// of range, which may be far from its centre of mass.
     template <class F>
-    void place_shapes(std::uint32_t k, F&& f) {
+    bool place_shapes(std::uint32_t k, F&& f) {
         const auto& b = bodies_[awake_[k]];
         const transform<S, D> pose = pose_after(b, moved_[k]);
         const vec<S, D> center = b.has_target ? pose * b.mass.center : moved_[k].center;
@@ -93,6 +97,7 @@ private:
             update_pose(shape, pose, center);
             f(n, box_within(margin_, shape));
         });
+        return is_in_range(pose.position);
     }
     void move(std::uint32_t k, std::uint32_t n, const aabb<S, D>& box) {
         boxes_.move(n, box, moved_.velocity(k).linear * step_);
