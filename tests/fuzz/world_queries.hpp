@@ -32,6 +32,10 @@ struct query_check {
     [[nodiscard]] bool is_near() const {
         for (const shape_id s : shapes_of(w))
             if (!(slack_of(w, s) < 1e9)) return false;
+        for (const body_id b : w.bodies())
+            for (int i = 0; i < World::dimension; ++i)
+                if (std::abs(as_double(w.position(b)[i])) > 1e7 || std::abs(as_double(w.center_of_mass(b)[i])) > 1e7)
+                    return false;
         return true;
     }
 

@@ -359,6 +359,7 @@ private:
         else if constexpr (requires { joint.anchor_a; }) at_a = w_.pose(a) * joint.anchor_a;
         if constexpr (requires { joint.frame_b.position; }) at_b = w_.pose(b) * joint.frame_b.position;
         else if constexpr (requires { joint.anchor_b; }) at_b = w_.pose(b) * joint.anchor_b;
+        if (!is_finite(at_a) || !is_finite(at_b)) return;
         if (!is_seen(merged(aabb<S, D>{min(at_a, at_b), max(at_a, at_b)}, aabb<S, D>{at_a, at_a}))) return;
         to_.point(at_a, with_.of_joint);
         to_.point(at_b, with_.of_joint);
