@@ -81,17 +81,17 @@ CELL_CASE("limits: bodies of any mass and speed meet as they would in double, or
         CAPTURE(of.is_ball);
         CAPTURE(of.turns);
         try {
-            met<world> scene(of);
+            met<world> found(of);
             met<exact_world> twin(of);
             for (int step = 0; step < 3; ++step) {
                 CAPTURE(step);
-                const auto before = picture(scene.w);
+                const auto before = picture(found.w);
                 try {
-                    scene.w.step(S(1.0 / 64));
+                    found.w.step(S(1.0 / 64));
                 } catch (const physics::error& e) {
                     CHECK(std::string(e.what()).find("physics: step: a velocity, a position or an impulse is beyond") ==
                           0);
-                    CHECK(picture(scene.w) == before);
+                    CHECK(picture(found.w) == before);
                     // Not of what is far below the range.
                     CHECK(of.mass * speed * std::max(1.0, of.size) > number(cell::traits::max()) / 64);
                     ++refused;
@@ -102,10 +102,10 @@ CELL_CASE("limits: bodies of any mass and speed meet as they would in double, or
                     for (int k = 0; k < cell::dimension; ++k)
                         REQUIRE(std::abs(number(x[k]) - y[k]) <= tolerance * std::max(speed, 1.0));
                 };
-                same(scene.w.linear_velocity(scene.body), twin.w.linear_velocity(twin.body));
-                same(scene.w.linear_velocity(scene.other), twin.w.linear_velocity(twin.other));
+                same(found.w.linear_velocity(found.body), twin.w.linear_velocity(twin.body));
+                same(found.w.linear_velocity(found.other), twin.w.linear_velocity(twin.other));
                 double load = 0, expected = 0;
-                for (const auto c : scene.w.contacts()) {
+                for (const auto c : found.w.contacts()) {
                     for (int k = 0; k < c.count; ++k) REQUIRE(c.points[k].normal_impulse >= S(0));
                     load += number(c.normal_impulse());
                 }

@@ -4,7 +4,7 @@
 #include "physics/base/arena.hpp"
 #include "physics/base/lane_math.hpp"
 #include "physics/base/pack_mask.hpp"
-#include "physics/dynamics/edge.hpp"
+#include "physics/dynamics/contact.hpp"
 #include "physics/space/space.hpp"
 
 PHYSICS_HPP_BEGIN
