@@ -428,7 +428,7 @@ def films(tally):
     games = {"10_platformer": "platformer", "11_pinball": "pinball", "12_dominoes": "dominoes",
              "13_conveyor": "conveyor", "14_dice": "dice", "15_wrecking_ball": "wrecking_ball",
              "16_paper_walls": "paper_walls", "17_arena": "arena", "18_ecs": None, "19_lockstep": "lockstep",
-             "20_tower": "tower"}
+             "20_tower": "tower", "21_platformer_3d": "platformer_3d"}
     # All throws of the dice take too long without optimisation.
     arguments, looked_at = {"14_dice": ["100"]}, {"02_flagship", "10_platformer", "17_arena"}
     if os.environ.get("EVERYTHING"):
