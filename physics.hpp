@@ -4605,15 +4605,23 @@ bool check_finite(const char* function, const char* field, T value) {
     return check_each(
         function, field, value, [](auto x) { return is_finite(x); }, "it must be finite");
 }
-/// Whether a quantity may be part of a world's state: a finite number; of fixed-point ones, which wrap, within half of
-/// their range, so that the sum of two shows whether it is.
+/// The largest number that worlds compute with in double: where shapes meet, up to four lengths are multiplied.
+inline constexpr double largest_of_double = 1e75;
+/// Whether a world computes with such a quantity: a finite number, in double one that is not too large.
+template <scalar_type S>
+constexpr bool is_bounded(S x) {
+    if constexpr (is_fixed<S>) return true;
+    else return static_cast<double>(x) <= largest_of_double && static_cast<double>(x) >= -largest_of_double;
+}
+/// Whether a quantity may be part of a world's state: the same; of fixed-point ones, which wrap, within half of their
+/// range, so that the sum of two shows whether it is.
 template <scalar_type S>
 constexpr bool is_in_range(S x) {
     if constexpr (is_fixed<S>) {
         const S maximum = scalar_traits<S>::max() / S(2);
         return x <= maximum && x >= -maximum;
     } else {
-        return is_finite(x);
+        return is_bounded(x);
     }
 }
 template <class S, int D>
@@ -4623,10 +4631,16 @@ constexpr bool is_in_range(const vec<S, D>& v) {
     return true;
 }
 template <class T>
+bool check_bounded(const char* function, const char* field, T value) {
+    return check_finite(function, field, value) &&
+           check_each(
+               function, field, value, [](auto x) { return is_bounded(x); }, "it must not be above 1e75");
+}
+template <class T>
 bool check_in_range(const char* function, const char* field, T value) {
-    return check_finite(function, field, value) && check_each(
-                                                       function, field, value, [](auto x) { return is_in_range(x); },
-                                                       "it must be within half of the scalar's range");
+    return check_bounded(function, field, value) && check_each(
+                                                        function, field, value, [](auto x) { return is_in_range(x); },
+                                                        "it must be within half of the scalar's range");
 }
 template <class T>
 bool check_left_out(const char* function, const char* field, T value) {
@@ -7726,11 +7740,12 @@ constexpr vec<S, D> unit_normal(const halfspace<S, D>& h) {
     return n * length_repair(dot(n, n));
 }
 }  // namespace detail
-/// Endless in most directions: a quarter of the scalar's range stands for infinity, so that margins do not
-/// overflow.
+/// Endless in most directions: a quarter of the scalar's range stands for infinity, in double of 1e75, so that margins
+/// do not leave it.
 template <class S, int D>
 constexpr aabb<S, D> bounds(const halfspace<S, D>& h, const transform<S, D>& at) {
-    const S far = scalar_traits<S>::max() * S(0.25);
+    S far = scalar_traits<S>::max() * S(0.25);
+    if (!detail::is_bounded(far)) far = static_cast<S>(detail::largest_of_double * 0.25);
     aabb<S, D> box{vec<S, D>::filled(-far), vec<S, D>::filled(far)};
     const vec<S, D> n = at.rotation * detail::unit_normal(h);
     const S height = h.offset + dot(n, at.position);
@@ -7738,7 +7753,7 @@ constexpr aabb<S, D> bounds(const halfspace<S, D>& h, const transform<S, D>& at)
         bool aligned = true;
         for (int j = 0; j < D; ++j) aligned = aligned && (i == j || n[j] == S(0));
         // A surface beyond the range is no box: worlds refuse it.
-        const bool is_lost = !is_finite(height);
+        const bool is_lost = !detail::is_bounded(height);
         if (is_lost || (aligned && n[i] > S(0))) box.upper[i] = height;
         if (aligned && n[i] < S(0)) box.lower[i] = -height;
     }
@@ -12693,7 +12708,8 @@ public:
     /// normals that are not quite what their corners say exactly.
     bool correct(int f, double height) {
         const double key = key_of(height, faces_[f].squared_normal);
-        const bool changed = key != key_[f];
+        // Nothing has changed for the better where it is no number.
+        const bool changed = key < key_[f] || key > key_[f];
         key_[f] = key;
         return changed;
     }
@@ -13052,7 +13068,8 @@ public:
     /// what their ends say exactly.
     bool correct(int i, double distance) {
         double& now = rings_[now_][i].distance;
-        const bool changed = distance != now;
+        // Nothing has changed for the better where it is no number.
+        const bool changed = distance < now || distance > now;
         now = distance;
         return changed;
     }
@@ -38360,8 +38377,8 @@ bool check_shapes_mass(const state<Plan>& s, std::uint32_t body, const char* fun
 /// Whether a box lies within the scalar's range: ends that have wrapped are on the wrong side.
 template <class S, int D>
 bool check_extent(const char* function, const aabb<S, D>& box) {
-    if (!check_finite(function, "lower end of the box", box.lower) ||
-        !check_finite(function, "upper end of the box", box.upper))
+    if (!check_bounded(function, "lower end of the box", box.lower) ||
+        !check_bounded(function, "upper end of the box", box.upper))
         return false;
     return is_box(box) ||
            refuse(function, "size of the box", "too large", "both ends must lie within the scalar's range");
@@ -39400,7 +39417,7 @@ void set_mass(world_data<Plan>& s, std::uint32_t index,
         refuse(f, "inertia", "not 0", "the recipe leaves rotation out");
         return;
     }
-    if (!check_finite(f, "center", mass.center) ||
+    if (!check_bounded(f, "center", mass.center) ||
         !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it) ||
         (!nothing_turns_it && !check_spread(f, converted<double>(mass).inertia)))
         return;
@@ -40069,7 +40086,7 @@ bool check_filter(const state<Plan>& s, const char* function, const query_filter
 }
 template <class S, int D>
 bool check_translation(const char* function, const char* from, vec<S, D> origin, vec<S, D> translation) {
-    if (!check_finite(function, from, origin) || !check_finite(function, "translation", translation)) return false;
+    if (!check_bounded(function, from, origin) || !check_bounded(function, "translation", translation)) return false;
     const vec<S, D> end = origin + translation;
     // In fixed point a sum beyond the range comes out on the other side.
     if constexpr (!std::is_floating_point_v<S>)
@@ -40079,7 +40096,7 @@ bool check_translation(const char* function, const char* from, vec<S, D> origin,
                 return refuse(function, "end of the way", component, to_double(origin[i]) + to_double(translation[i]),
                               "it must lie within the scalar's range");
         }
-    return check_finite(function, "end of the way", end);
+    return check_bounded(function, "end of the way", end);
 }
 
 /// Calls visit(hit) for shapes that a ray meets, in any order; it must not change the world. visit returns the fraction
@@ -40263,7 +40280,7 @@ closest_hit<typename Plan::scalar, Plan::dimension> closest_shape(const state<Pl
     constexpr int D = Plan::dimension;
     const char* f = "closest_shape";
     closest_hit<S, D> best;
-    if (!check_finite(f, "point", point) || !check_not_negative(f, "reach", reach) || !check_filter(s, f, filter))
+    if (!check_bounded(f, "point", point) || !check_not_negative(f, "reach", reach) || !check_filter(s, f, filter))
         return best;
     each_near(s, around(point, reach), filter, [&](std::uint32_t i) {
         const transform<S, D> at = s.shapes[i].pose;
@@ -41365,7 +41382,7 @@ public:
     /// The same for shapes that hold a point.
     template <class Visit>
     void each_at(vec<S, D> point, const query_filter& filter, Visit&& visit) const {
-        if (detail::check_finite("each_at", "point", point))
+        if (detail::check_bounded("each_at", "point", point))
             detail::each_overlapping(state(), "each_at", detail::point_shape<S, D>{}, {point, {}}, filter, visit);
     }
     /// Calls visit(shape_contact) for the contacts that a shape of the recipe's set would have at that pose: with all
@@ -42784,8 +42801,8 @@ PHYSICS_HPP_BEGIN
 /// for others to meet it, move a kinematic body along, and leave that out by the filter. Move it once a step, after
 /// world.step(). It takes its contacts from collide_shape, so that its shape must be of the recipe's set; a chain or a
 /// mesh that is one-sided stops it from the front alone. Errors: numbers out of range, ways that may lead beyond 1/16
-/// of it (of its square root in floating point), and an up of another length than 1 are refused, and it stays as it
-/// was. Cost of a move: 4 queries on flat ground, more at steps and in corners.
+/// of it (in float of its square root, in double of 1e75), and an up of another length than 1 are refused, and it stays
+/// as it was. Cost of a move: 4 queries on flat ground, more at steps and in corners.
 template <class World, class Shape = typename World::capsule>
 class character {
     static constexpr int D = World::dimension;
@@ -42884,7 +42901,7 @@ private:
         reach += speed * max(h, 1.0);
         // Of floating point the squares too.
         const double range = detail::to_double(scalar_traits<S>::max()),
-                     limit = detail::is_fixed<S> ? range : sqrt(range);
+                     limit = detail::is_fixed<S> ? range : min(sqrt(range), detail::largest_of_double);
         return reach <= limit / 16 ||
                detail::refuse("move", "reach", reach,
                               "it must stay well within the scalar's range, and so must its square");

@@ -47,6 +47,9 @@ struct cell {
     /// cells of double, a tenth in the others.
     static constexpr int draws(int n) { return std::is_same_v<scalar, double> ? n : n < 10 ? 1 : n / 10; }
 
+    /// The largest number that worlds compute with; of fixed-point ones their state may have half of it.
+    static scalar largest() { return std::is_same_v<scalar, double> ? scalar(1e75) : traits::max(); }
+
     static scalar real(double x) { return scalar(x); }
     static double number(scalar x) { return static_cast<double>(x); }
 

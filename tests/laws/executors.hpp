@@ -289,7 +289,7 @@ CELL_CASE("executors: of many rays none is cast where one is bad, by name") {
     casts[2].filter.except = {};
     refuses(w, "cast_shapes", "radius", "-1", [&] { w.cast_shapes(world::ball{S(-1)}, casts, hits); });
     rays[2].filter.except = {};
-    rays[1].origin = place.along_all(0.75 * number(cell::traits::max()));
+    rays[1].origin = place.along_all(0.75 * number(cell::largest()));
     rays[1].translation = rays[1].origin;
     refuses(w, "cast_rays", "end of the way.x", "", [&] { w.cast_rays(rays, hits); });
     rays[1] = rays[0];

@@ -200,8 +200,8 @@ CELL_CASE(
     run(r.w, 128);
     REQUIRE(r.w.is_asleep(r.crate));
     vec far, fast;
-    far.y = cell::traits::max() * S(0.4);
-    fast.y = cell::traits::max() * S(0.25);
+    far.y = cell::largest() * S(0.4);
+    fast.y = cell::largest() * S(0.25);
     const body_id leaving =
         r.w.create_body({.type = body_type::kinematic_body, .position = far, .linear_velocity = fast});
     r.w.create_shape(leaving, world::ball{S(0.25)});

@@ -229,8 +229,8 @@ CELL_CASE("loop: a hook or a step that throws ends the call; the time that was d
     CHECK(clock.interpolated(w, ball).position == along(0, 2.25));
     if constexpr (!cell::is_fixed) {
         const auto overload = [&](world& now) {
-            now.set_pose(ball, along(0, number(cell::traits::max())), {});
-            now.set_linear_velocity(ball, along(0, number(cell::traits::max())));
+            now.set_pose(ball, along(0, number(cell::largest())), {});
+            now.set_linear_velocity(ball, along(0, number(cell::largest())));
         };
         CHECK_THROWS_AS(clock.advance(w, S(48.0 / 1024), overload), physics::error);
         check_rest(3);

@@ -182,7 +182,7 @@ CELL_CASE("removal: contacts that are left are those of what is left, also where
                 }
                 world copy = w;
                 world refused = w;
-                const S fast = physics::scalar_traits<S>::max() * S(0.375);
+                const S fast = cell::largest() * S(0.375);
                 refused.create_body({.linear_velocity = vec::filled(fast)});
                 const std::uint64_t hash = refused.state_hash();
                 // What a refused step has found out of its contacts is no change.

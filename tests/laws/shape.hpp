@@ -82,7 +82,7 @@ CELL_CASE("shape: bounds hold the shape and are tight") {
 
 CELL_CASE("shape: the bounds of a halfspace hold it, and end at its surface where that lies along the axes") {
     cell::dice dice(3);
-    const double far = cell::number(cell::traits::max()) / 8;
+    const double far = cell::number(cell::largest()) / 8;
     for (int i = 0; i < 500; ++i) {
         halfspace h = random_shape(3, dice, 0, 4).get<halfspace>();
         transform at = random_transform(dice, 8);

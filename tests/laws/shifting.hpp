@@ -85,7 +85,7 @@ CELL_CASE("origin: it may move again and again") {
 }
 CELL_CASE("origin: refused where anything would leave the range, with nothing changed") {
     yard y;
-    const double maximum = number(cell::traits::max()), far = (cell::is_fixed ? 0.4 : 0.9) * maximum;
+    const double maximum = number(cell::largest()), far = (cell::is_fixed ? 0.4 : 0.9) * maximum;
     if constexpr (cell::is_fixed) {
         refuses(y.w, "shift_origin", "to.x", "", [&] { y.w.shift_origin(along(0, 0.75 * maximum)); });
     } else {

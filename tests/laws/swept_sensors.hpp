@@ -156,7 +156,7 @@ CELL_CASE("swept sensors: what is stopped before a sensor does not pass it") {
 CELL_CASE("swept sensors: steps go on where a sensor is at the end of the range") {
     world w = at_rest();
     vec end;
-    end[1] = cell::is_fixed ? cell::traits::max() * S(0.5) : cell::traits::max();
+    end[1] = cell::is_fixed ? cell::largest() * S(0.5) : cell::largest();
     const body_id far = w.create_body({.position = end, .linear_velocity = along(0, 100)});
     w.create_shape(far, world::ball{S(0.25)}, {.sensor = true});
     w.step(S(0.125));

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "refusal.hpp"
-#include "world_momenta.hpp"
+#include "world_sizes.hpp"
 
 namespace {
 namespace world_errors_laws {

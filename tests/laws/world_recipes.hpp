@@ -305,7 +305,7 @@ CELL_CASE("recipes: a refused step is undone in a solver of many substeps too") 
                   bad = w.create_body({.linear_velocity = along(0, 1)});
     w.step(S(1.0 / 64));
     const std::uint64_t before = w.state_hash();
-    const S most = cell::traits::max();
+    const S most = cell::largest();
     w.set_linear_velocity(bad, along(0, number(most)));
     // Half of the substeps pass before the position is out of range.
     CHECK_THROWS_AS(w.step(S(2)), physics::error);

@@ -33,7 +33,8 @@ public:
     /// what their ends say exactly.
     bool correct(int i, double distance) {
         double& now = rings_[now_][i].distance;
-        const bool changed = distance != now;
+        // Nothing has changed for the better where it is no number.
+        const bool changed = distance < now || distance > now;
         now = distance;
         return changed;
     }

@@ -72,7 +72,8 @@ public:
     /// normals that are not quite what their corners say exactly.
     bool correct(int f, double height) {
         const double key = key_of(height, faces_[f].squared_normal);
-        const bool changed = key != key_[f];
+        // Nothing has changed for the better where it is no number.
+        const bool changed = key < key_[f] || key > key_[f];
         key_[f] = key;
         return changed;
     }

@@ -12,8 +12,8 @@ PHYSICS_HPP_BEGIN
 /// for others to meet it, move a kinematic body along, and leave that out by the filter. Move it once a step, after
 /// world.step(). It takes its contacts from collide_shape, so that its shape must be of the recipe's set; a chain or a
 /// mesh that is one-sided stops it from the front alone. Errors: numbers out of range, ways that may lead beyond 1/16
-/// of it (of its square root in floating point), and an up of another length than 1 are refused, and it stays as it
-/// was. Cost of a move: 4 queries on flat ground, more at steps and in corners.
+/// of it (in float of its square root, in double of 1e75), and an up of another length than 1 are refused, and it stays
+/// as it was. Cost of a move: 4 queries on flat ground, more at steps and in corners.
 template <class World, class Shape = typename World::capsule>
 class character {
     static constexpr int D = World::dimension;
@@ -112,7 +112,7 @@ private:
         reach += speed * max(h, 1.0);
         // Of floating point the squares too.
         const double range = detail::to_double(scalar_traits<S>::max()),
-                     limit = detail::is_fixed<S> ? range : sqrt(range);
+                     limit = detail::is_fixed<S> ? range : min(sqrt(range), detail::largest_of_double);
         return reach <= limit / 16 ||
                detail::refuse("move", "reach", reach,
                               "it must stay well within the scalar's range, and so must its square");

@@ -55,11 +55,12 @@ constexpr vec<S, D> unit_normal(const halfspace<S, D>& h) {
     return n * length_repair(dot(n, n));
 }
 }  // namespace detail
-/// Endless in most directions: a quarter of the scalar's range stands for infinity, so that margins do not
-/// overflow.
+/// Endless in most directions: a quarter of the scalar's range stands for infinity, in double of 1e75, so that margins
+/// do not leave it.
 template <class S, int D>
 constexpr aabb<S, D> bounds(const halfspace<S, D>& h, const transform<S, D>& at) {
-    const S far = scalar_traits<S>::max() * S(0.25);
+    S far = scalar_traits<S>::max() * S(0.25);
+    if (!detail::is_bounded(far)) far = static_cast<S>(detail::largest_of_double * 0.25);
     aabb<S, D> box{vec<S, D>::filled(-far), vec<S, D>::filled(far)};
     const vec<S, D> n = at.rotation * detail::unit_normal(h);
     const S height = h.offset + dot(n, at.position);
@@ -67,7 +68,7 @@ constexpr aabb<S, D> bounds(const halfspace<S, D>& h, const transform<S, D>& at)
         bool aligned = true;
         for (int j = 0; j < D; ++j) aligned = aligned && (i == j || n[j] == S(0));
         // A surface beyond the range is no box: worlds refuse it.
-        const bool is_lost = !is_finite(height);
+        const bool is_lost = !detail::is_bounded(height);
         if (is_lost || (aligned && n[i] > S(0))) box.upper[i] = height;
         if (aligned && n[i] < S(0)) box.lower[i] = -height;
     }

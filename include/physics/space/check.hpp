@@ -29,15 +29,23 @@ bool check_finite(const char* function, const char* field, T value) {
     return check_each(
         function, field, value, [](auto x) { return is_finite(x); }, "it must be finite");
 }
-/// Whether a quantity may be part of a world's state: a finite number; of fixed-point ones, which wrap, within half of
-/// their range, so that the sum of two shows whether it is.
+/// The largest number that worlds compute with in double: where shapes meet, up to four lengths are multiplied.
+inline constexpr double largest_of_double = 1e75;
+/// Whether a world computes with such a quantity: a finite number, in double one that is not too large.
+template <scalar_type S>
+constexpr bool is_bounded(S x) {
+    if constexpr (is_fixed<S>) return true;
+    else return static_cast<double>(x) <= largest_of_double && static_cast<double>(x) >= -largest_of_double;
+}
+/// Whether a quantity may be part of a world's state: the same; of fixed-point ones, which wrap, within half of their
+/// range, so that the sum of two shows whether it is.
 template <scalar_type S>
 constexpr bool is_in_range(S x) {
     if constexpr (is_fixed<S>) {
         const S maximum = scalar_traits<S>::max() / S(2);
         return x <= maximum && x >= -maximum;
     } else {
-        return is_finite(x);
+        return is_bounded(x);
     }
 }
 template <class S, int D>
@@ -47,10 +55,16 @@ constexpr bool is_in_range(const vec<S, D>& v) {
     return true;
 }
 template <class T>
+bool check_bounded(const char* function, const char* field, T value) {
+    return check_finite(function, field, value) &&
+           check_each(
+               function, field, value, [](auto x) { return is_bounded(x); }, "it must not be above 1e75");
+}
+template <class T>
 bool check_in_range(const char* function, const char* field, T value) {
-    return check_finite(function, field, value) && check_each(
-                                                       function, field, value, [](auto x) { return is_in_range(x); },
-                                                       "it must be within half of the scalar's range");
+    return check_bounded(function, field, value) && check_each(
+                                                        function, field, value, [](auto x) { return is_in_range(x); },
+                                                        "it must be within half of the scalar's range");
 }
 template <class T>
 bool check_left_out(const char* function, const char* field, T value) {

@@ -302,8 +302,8 @@ bool check_shapes_mass(const state<Plan>& s, std::uint32_t body, const char* fun
 /// Whether a box lies within the scalar's range: ends that have wrapped are on the wrong side.
 template <class S, int D>
 bool check_extent(const char* function, const aabb<S, D>& box) {
-    if (!check_finite(function, "lower end of the box", box.lower) ||
-        !check_finite(function, "upper end of the box", box.upper))
+    if (!check_bounded(function, "lower end of the box", box.lower) ||
+        !check_bounded(function, "upper end of the box", box.upper))
         return false;
     return is_box(box) ||
            refuse(function, "size of the box", "too large", "both ends must lie within the scalar's range");

@@ -201,7 +201,7 @@ void set_mass(world_data<Plan>& s, std::uint32_t index,
         refuse(f, "inertia", "not 0", "the recipe leaves rotation out");
         return;
     }
-    if (!check_finite(f, "center", mass.center) ||
+    if (!check_bounded(f, "center", mass.center) ||
         !check_mass(f, s.bodies[index], converted<double>(mass), nothing_turns_it) ||
         (!nothing_turns_it && !check_spread(f, converted<double>(mass).inertia)))
         return;

@@ -121,7 +121,7 @@ bool check_filter(const state<Plan>& s, const char* function, const query_filter
 }
 template <class S, int D>
 bool check_translation(const char* function, const char* from, vec<S, D> origin, vec<S, D> translation) {
-    if (!check_finite(function, from, origin) || !check_finite(function, "translation", translation)) return false;
+    if (!check_bounded(function, from, origin) || !check_bounded(function, "translation", translation)) return false;
     const vec<S, D> end = origin + translation;
     // In fixed point a sum beyond the range comes out on the other side.
     if constexpr (!std::is_floating_point_v<S>)
@@ -131,7 +131,7 @@ bool check_translation(const char* function, const char* from, vec<S, D> origin,
                 return refuse(function, "end of the way", component, to_double(origin[i]) + to_double(translation[i]),
                               "it must lie within the scalar's range");
         }
-    return check_finite(function, "end of the way", end);
+    return check_bounded(function, "end of the way", end);
 }
 
 /// Calls visit(hit) for shapes that a ray meets, in any order; it must not change the world. visit returns the fraction
@@ -315,7 +315,7 @@ closest_hit<typename Plan::scalar, Plan::dimension> closest_shape(const state<Pl
     constexpr int D = Plan::dimension;
     const char* f = "closest_shape";
     closest_hit<S, D> best;
-    if (!check_finite(f, "point", point) || !check_not_negative(f, "reach", reach) || !check_filter(s, f, filter))
+    if (!check_bounded(f, "point", point) || !check_not_negative(f, "reach", reach) || !check_filter(s, f, filter))
         return best;
     each_near(s, around(point, reach), filter, [&](std::uint32_t i) {
         const transform<S, D> at = s.shapes[i].pose;

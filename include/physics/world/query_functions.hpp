@@ -43,7 +43,7 @@ public:
     /// The same for shapes that hold a point.
     template <class Visit>
     void each_at(vec<S, D> point, const query_filter& filter, Visit&& visit) const {
-        if (detail::check_finite("each_at", "point", point))
+        if (detail::check_bounded("each_at", "point", point))
             detail::each_overlapping(state(), "each_at", detail::point_shape<S, D>{}, {point, {}}, filter, visit);
     }
     /// Calls visit(shape_contact) for the contacts that a shape of the recipe's set would have at that pose: with all
