@@ -21793,7 +21793,7 @@ angle_list<Joint, S> count_turns([[maybe_unused]] const Joint& joint, [[maybe_un
 /// Checks of what joints are made of.
 template <class S, int D>
 bool check_frame(const char* function, const char* position, const char* rotation, const transform<S, D>& frame) {
-    if (!check_finite(function, position, frame.position)) return false;
+    if (!check_bounded(function, position, frame.position)) return false;
     const S error = norm_error(frame.rotation);
     return error < S(0.001) || refuse(function, rotation, static_cast<double>(error),
                                       "its squared length must be 1, to less than 0.001; it is off by that");
@@ -21842,8 +21842,8 @@ struct ball_joint {
 
 template <class S, int D>
 bool check(const ball_joint<S, D>& joint, const char* function) {
-    return detail::check_finite(function, "anchor_a", joint.anchor_a) &&
-           detail::check_finite(function, "anchor_b", joint.anchor_b);
+    return detail::check_bounded(function, "anchor_a", joint.anchor_a) &&
+           detail::check_bounded(function, "anchor_b", joint.anchor_b);
 }
 
 PHYSICS_HPP_END
@@ -21997,8 +21997,8 @@ struct distance_joint {
 
 template <class S, int D>
 bool check(const distance_joint<S, D>& joint, const char* function) {
-    if (!detail::check_finite(function, "anchor_a", joint.anchor_a) ||
-        !detail::check_finite(function, "anchor_b", joint.anchor_b) ||
+    if (!detail::check_bounded(function, "anchor_a", joint.anchor_a) ||
+        !detail::check_bounded(function, "anchor_b", joint.anchor_b) ||
         !detail::check_positive(function, "length", joint.length) || !detail::check_spring(function, joint.spring()) ||
         !detail::check_not_negative(function, "min_length", joint.min_length) ||
         !detail::check_positive(function, "max_length", joint.max_length))
@@ -22326,10 +22326,10 @@ struct pulley_joint {
 
 template <class S, int D>
 bool check(const pulley_joint<S, D>& joint, const char* function) {
-    return detail::check_finite(function, "anchor_a", joint.anchor_a) &&
-           detail::check_finite(function, "anchor_b", joint.anchor_b) &&
-           detail::check_finite(function, "ground_a", joint.ground_a) &&
-           detail::check_finite(function, "ground_b", joint.ground_b) &&
+    return detail::check_bounded(function, "anchor_a", joint.anchor_a) &&
+           detail::check_bounded(function, "anchor_b", joint.anchor_b) &&
+           detail::check_bounded(function, "ground_a", joint.ground_a) &&
+           detail::check_bounded(function, "ground_b", joint.ground_b) &&
            detail::check_positive(function, "ratio", joint.ratio) &&
            detail::check_not_negative(function, "min_length", joint.min_length) &&
            detail::check_positive(function, "max_length", joint.max_length);
@@ -22738,8 +22738,8 @@ struct target_joint {
 
 template <class S, int D>
 bool check(const target_joint<S, D>& joint, const char* function) {
-    return detail::check_finite(function, "target", joint.target) &&
-           detail::check_finite(function, "anchor_b", joint.anchor_b) &&
+    return detail::check_bounded(function, "target", joint.target) &&
+           detail::check_bounded(function, "anchor_b", joint.anchor_b) &&
            detail::check_spring(function, joint.spring()) &&
            (joint.spring().is_physical() || detail::check_positive(function, "frequency", joint.frequency)) &&
            detail::check_not_negative(function, "max_force", joint.max_force);

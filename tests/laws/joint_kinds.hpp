@@ -375,6 +375,8 @@ CELL_CASE("joint kinds: bad ones are refused by name") {
         transform frame;
         frame.position[1] = bad;
         refuses("frame_b.position.y", prismatic_joint{.frame_b = frame});
+        frame.position[1] = cell::largest() * S(1.01);
+        refuses("frame_b.position.y", prismatic_joint{.frame_b = frame});
     }
 }
 

@@ -263,6 +263,8 @@ CELL_CASE("joints: bad ones are refused by name, and nothing changes") {
         distance_joint bad;
         bad.anchor_b[1] = S(0) / S(0);
         refuses("anchor_b.y", bad);
+        bad.anchor_b[1] = cell::largest() * S(1.01);
+        refuses("anchor_b.y", bad);
     }
     says("body_b is the same", [&] { w.create_joint(b, b, distance_joint{}); });
     says("body_a is null", [&] { w.create_joint({}, b, distance_joint{}); });

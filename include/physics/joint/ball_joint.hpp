@@ -22,8 +22,8 @@ struct ball_joint {
 
 template <class S, int D>
 bool check(const ball_joint<S, D>& joint, const char* function) {
-    return detail::check_finite(function, "anchor_a", joint.anchor_a) &&
-           detail::check_finite(function, "anchor_b", joint.anchor_b);
+    return detail::check_bounded(function, "anchor_a", joint.anchor_a) &&
+           detail::check_bounded(function, "anchor_b", joint.anchor_b);
 }
 
 PHYSICS_HPP_END

@@ -48,8 +48,8 @@ struct distance_joint {
 
 template <class S, int D>
 bool check(const distance_joint<S, D>& joint, const char* function) {
-    if (!detail::check_finite(function, "anchor_a", joint.anchor_a) ||
-        !detail::check_finite(function, "anchor_b", joint.anchor_b) ||
+    if (!detail::check_bounded(function, "anchor_a", joint.anchor_a) ||
+        !detail::check_bounded(function, "anchor_b", joint.anchor_b) ||
         !detail::check_positive(function, "length", joint.length) || !detail::check_spring(function, joint.spring()) ||
         !detail::check_not_negative(function, "min_length", joint.min_length) ||
         !detail::check_positive(function, "max_length", joint.max_length))

@@ -188,7 +188,7 @@ angle_list<Joint, S> count_turns([[maybe_unused]] const Joint& joint, [[maybe_un
 /// Checks of what joints are made of.
 template <class S, int D>
 bool check_frame(const char* function, const char* position, const char* rotation, const transform<S, D>& frame) {
-    if (!check_finite(function, position, frame.position)) return false;
+    if (!check_bounded(function, position, frame.position)) return false;
     const S error = norm_error(frame.rotation);
     return error < S(0.001) || refuse(function, rotation, static_cast<double>(error),
                                       "its squared length must be 1, to less than 0.001; it is off by that");

@@ -78,10 +78,10 @@ struct pulley_joint {
 
 template <class S, int D>
 bool check(const pulley_joint<S, D>& joint, const char* function) {
-    return detail::check_finite(function, "anchor_a", joint.anchor_a) &&
-           detail::check_finite(function, "anchor_b", joint.anchor_b) &&
-           detail::check_finite(function, "ground_a", joint.ground_a) &&
-           detail::check_finite(function, "ground_b", joint.ground_b) &&
+    return detail::check_bounded(function, "anchor_a", joint.anchor_a) &&
+           detail::check_bounded(function, "anchor_b", joint.anchor_b) &&
+           detail::check_bounded(function, "ground_a", joint.ground_a) &&
+           detail::check_bounded(function, "ground_b", joint.ground_b) &&
            detail::check_positive(function, "ratio", joint.ratio) &&
            detail::check_not_negative(function, "min_length", joint.min_length) &&
            detail::check_positive(function, "max_length", joint.max_length);

@@ -33,8 +33,8 @@ struct target_joint {
 
 template <class S, int D>
 bool check(const target_joint<S, D>& joint, const char* function) {
-    return detail::check_finite(function, "target", joint.target) &&
-           detail::check_finite(function, "anchor_b", joint.anchor_b) &&
+    return detail::check_bounded(function, "target", joint.target) &&
+           detail::check_bounded(function, "anchor_b", joint.anchor_b) &&
            detail::check_spring(function, joint.spring()) &&
            (joint.spring().is_physical() || detail::check_positive(function, "frequency", joint.frequency)) &&
            detail::check_not_negative(function, "max_force", joint.max_force);
