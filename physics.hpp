@@ -42960,11 +42960,16 @@ private:
             slide(w, walk * dt, true, dt);
         }
         const vec walked = position_ - start;
+        S rounding{};
         if (!stood) {
             if (!jumps) fall_ += w.settings().gravity * dt;
+            // What stops it leaves it as fast as that by rounding.
+            rounding = S(64) * scalar_traits<S>::epsilon() * (S(1) + length(fall_));
             slide(w, fall_ * dt, false, dt);
         }
         velocity_ = walked / dt + fall_;
+        ground_ = {};
+        if (!stood && dot(fall_, up_) > rounding) return;
         find_ground(w, toward, stood);
         if (!ground_) return;
         velocity_ -= fall_;
@@ -43124,8 +43129,6 @@ private:
 
     /// What is below, within reach of its feet: it settles on that.
     void find_ground(World& w, const vec& toward, bool stood) {
-        ground_ = {};
-        if (!stood && dot(fall_, up_) > S(0)) return;
         const S skin = settings_.skin, reach = stood ? settings_.snap_distance + skin : skin * S(0.125);
         typename World::world_hit hit;
         // From a little above, since it may be nearer than its skin.

@@ -365,6 +365,50 @@ CELL_CASE("characters: a wedge holds it at rest, and lets it go at once") {
     }
 }
 #endif
+template <class Rotation>
+Rotation tilted(double angle) {
+    if constexpr (cell::is_2d) return turned_about_z(angle);
+    else return Rotation::from_axis_angle(normalized(at(1, 0.3) + along(2, 0.5)), S(angle));
+}
+CELL_CASE("characters: in a world that is turned as a whole one does as in an upright one") {
+    using rotation = world::rotation_type;
+    const auto play = [](const rotation& q) {
+        std::vector<vec> seen;
+        world w{world::settings_type{.gravity = q * along(1, -10)}};
+        const body_id fixed = w.create_body({.type = body_type::static_body, .rotation = q});
+        const auto add = [&](double x, double y, double half_x, double half_y, double angle = 0) {
+            w.create_shape(fixed, world::box{level::half(half_x, half_y)},
+                           {.position = at(x, y), .rotation = turned_about_z(angle)});
+        };
+        add(0, -1, 50, 1);
+        add(4, 0.15, 1, 0.15);
+        add(9, 0.25, 2, 0.25, 0.4);
+        auto shape = world::capsule::upright(S(1.8), S(0.3));
+        shape.rotation = q * shape.rotation;
+        hero h(shape, q * at(0, 0.5), q * along(1, 1));
+        const auto run = [&](int steps, double speed) {
+            for (int i = 0; i < steps; ++i) {
+                w.step(S(1.0 / 60));
+                h.move(w, q * along(0, speed), S(1.0 / 60));
+            }
+            CHECK(h.ground());
+            seen.push_back(inverse_rotate(q, h.feet()));
+        };
+        run(60, 0);
+        run(50, 5);
+        run(50, 3);
+        h.jump(S(4));
+        run(60, 1);
+        return seen;
+    };
+    const std::vector<vec> upright = play({});
+    for (int i = 1; i < 120; ++i) {
+        CAPTURE(i);
+        const auto q = tilted<rotation>(i * 0.0523);
+        const std::vector<vec> turned = play(q);
+        for (std::size_t k = 0; k < upright.size(); ++k) CHECK(length(turned[k] - upright[k]) < S(5e-3));
+    }
+}
 CELL_CASE("characters: what falls for ever is stopped by name before it leaves the range of numbers") {
     const S most = cell::largest();
     for (const S pull : {S(10), S(1000), most * S(0.0625)}) {
