@@ -25361,13 +25361,16 @@ struct contact_pass {
     bool over_relaxes;
     /// See substep_start.
     twist_of<S, D, Rotates>* start_velocity;
+    /// From the begin of the step to the middle of the substep (s): of both its rounds, so that friction which lasts
+    /// gives the same in each.
+    S elapsed{};
 };
 
 /// What contacts are written with.
 template <class S, int D, class Features>
 struct prepare_input {
-    /// Which part of the step's impulses a substep begins with.
-    S share;
+    /// Which part of the step's impulses a substep begins with, and the length of the step (s).
+    S share, step;
     /// Surfaces that have overlapped by more do not bounce (m).
     S overlap{};
     /// Of each body what drives it (m/s^2); null if that is not known.
@@ -29180,6 +29183,84 @@ S bounce_points(Point* points, int count, const Bounces& bounces, int lane, Spee
 PHYSICS_HPP_END
 
 // =================================================================================================
+// physics/dynamics/running_surface.hpp
+// =================================================================================================
+// How surfaces run under each other where belts drive them or a kinematic body turns.
+
+PHYSICS_HPP_BEGIN
+
+namespace detail {
+
+/// Whether it turns whatever touches it.
+template <class Body>
+bool turns_by_itself(const Body& b) {
+    if constexpr (requires { b.velocity.angular; })
+        return !(b.inverse_mass > decltype(b.inverse_mass)(0)) &&
+               !(b.velocity.angular == decltype(b.velocity.angular){});
+    else return false;
+}
+
+/// How the slip along the tangents at which surfaces stay together changes (m/s^2) in a step of h seconds, of which a
+/// solver knows levers at the start alone, where one of the bodies turns by itself: by it what rides on a turntable
+/// goes round, and not along tangents. The place at which they touch moves with the other body, and turns with it about
+/// the normal. No more than what a turn by a radian in the step comes to: beyond it there is no such line.
+template <class S, int D, class Features, bool Rotates>
+tangential<S, D> slip_change([[maybe_unused]] const contact<S, D, Features>& c,
+                             [[maybe_unused]] const solver_body<S, D, Rotates>& a,
+                             [[maybe_unused]] const solver_body<S, D, Rotates>& b, [[maybe_unused]] S h) {
+    if constexpr (Rotates) {
+        const bool by_a = turns_by_itself(a);
+        if (!by_a && !turns_by_itself(b)) return {};
+        const solver_body<S, D, Rotates>&turning = by_a ? a : b, &other = by_a ? b : a;
+        const auto of_turning = converted<double>(turning.velocity), of_other = converted<double>(other.velocity);
+        vec<double, D> on_turning{}, on_other{};
+        for (int k = 0; k < c.count; ++k) {
+            const anchors<S, D> to = c.anchors(k);
+            on_turning += converted<double>(by_a ? to.a : to.b) * (1.0 / c.count);
+            on_other += converted<double>(by_a ? to.b : to.a) * (1.0 / c.count);
+        }
+        const vec<double, D> n = converted<double>(c.normal);
+        vec<double, D> around{};
+        if constexpr (D == 3) around = cross(n * dot(of_other.angular, n), on_other);
+        // What comes at it is stopped before it goes along.
+        const double approach = dot(n, velocity_at(of_other, on_other) - velocity_at(of_turning, on_turning));
+        const vec<double, D> along = of_other.linear - n * approach + around - of_turning.linear;
+        vec<double, D> change = cross(of_turning.angular, along) - cross(of_other.angular, around);
+        const double turn = largest_magnitude(turning.velocity.angular) * to_double(h);
+        change *= (by_a ? 1 : -1) / max(turn * turn, 1.0);
+        if (largest(change) < to_double(scalar_traits<S>::max()) / 4)
+            return tangents<S, D>(c.normal).components(converted<S>(change));
+    }
+    return {};
+}
+
+/// The slip along the tangents at which the surfaces of a contact stay together (m/s), substep by substep.
+template <class S, int D, class Features, bool = Features::surface_velocity>
+struct running_surface {
+    tangential<S, D> velocity, change;
+
+    /// In a step of h seconds, of which a substep is a share.
+    template <class Body>
+    running_surface(const contact<S, D, Features>& c, const Body& a, const Body& b, S h, S share)
+        : change(slip_change(c, a, b, h) * (h * share)) {
+        velocity = c.surface_velocity + change * S(0.5);
+    }
+    void take_from(tangential<S, D>& slip) const { slip -= velocity; }
+    void advance() { velocity += change; }
+};
+template <class S, int D, class Features>
+struct running_surface<S, D, Features, false> {
+    template <class Body>
+    running_surface(const contact<S, D, Features>&, const Body&, const Body&, S, S) {}
+    void take_from(const tangential<S, D>&) const {}
+    void advance() {}
+};
+
+}  // namespace detail
+
+PHYSICS_HPP_END
+
+// =================================================================================================
 // physics/dynamics/sequential_impulse.hpp
 // =================================================================================================
 // The sequential impulse solver: one constraint at a time, impulses accumulated and clamped; bounces all at once.
@@ -29233,10 +29314,9 @@ bool check(const sequential_impulse_settings<S>& with, const char* function) {
 /// defaults; more substeps bear more. Not for large piles: it works on one contact at a time, where soft_step works in
 /// lanes and by several threads. Needles thinner than 1:500 want a single substep of 20 iterations. Error: of order h;
 /// stacks settle into the slop. Momentum is kept to rounding where no gravity pulls; where it does, what pushes lift is
-/// taken from speeds. Cost: substeps x iterations x points, and for bounces a walk over the points with restitution a
-/// round, of which there are as many as an impact passes contacts. Source: Catto, Iterative Dynamics with Temporal
-/// Coherence (2005), Solver2D (2024, "TGS"); Macklin et al., Small Steps (2019); Guendelman et al., Nonconvex Rigid
-/// Bodies with Stacking (2003).
+/// taken from speeds. Cost: substeps x iterations x points, and for bounces a walk over the points with restitution for
+/// each contact that an impact passes. Source: Catto, Iterative Dynamics with Temporal Coherence (2005), Solver2D
+/// (2024, "TGS"); Macklin et al., Small Steps (2019); Guendelman et al., Nonconvex Rigid Bodies with Stacking (2003).
 struct sequential_impulse {
     using stage = physics::stage::solver;
     static constexpr bool solves_joints = true;
@@ -29264,7 +29344,7 @@ struct sequential_impulse {
             const bool* const has_joint = detail::bodies_of_joints(contacts, bodies, scratch);
             block* blocks = scratch.template allocate<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i)
-                new (blocks + i) block(contacts[i], contacts.bodies(i), of, bodies, share);
+                new (blocks + i) block(contacts[i], contacts.bodies(i), of, bodies, h, share);
             bounces impacts = bounces_of(contacts, of, blocks, bodies, scratch);
             twist_type* const velocity_change = scratch.template allocate<twist_type>(bodies.count);
             twist_type* const position_velocities = scratch.template allocate<twist_type>(bodies.count);
@@ -29342,11 +29422,12 @@ struct sequential_impulse {
             [[no_unique_address]] detail::optional_member<Features::rolling_resistance, tangential<S, D>,
                                                           feature::rolling_resistance, 2>
                 total_rolling{};
+            [[no_unique_address]] detail::running_surface<S, D, Features> surface;
             bool yields;
             row rows[manifold<S, D>::capacity];
 
-            block(const contact& c, const solver_api::body_pair& pair, surfaces of, bodies_type bodies, S share)
-                : frame(c.normal), ends(pair) {
+            block(const contact& c, const solver_api::body_pair& pair, surfaces of, bodies_type bodies, S h, S share)
+                : frame(c.normal), ends(pair), surface(c, bodies[pair.a], bodies[pair.b], h, share) {
                 const body& a = bodies[ends.a];
                 const body& b = bodies[ends.b];
                 yields = bounces::drives(a) || bounces::drives(b);
@@ -29364,6 +29445,7 @@ struct sequential_impulse {
                 }
             }
             void add_up(int count) {
+                surface.advance();
                 for (int k = 0; k < count; ++k) {
                     rows[k].total = solver_api::added_load(rows[k].total, rows[k].normal + rows[k].bounce.impulse);
                     if constexpr (Features::friction) rows[k].total_friction += rows[k].friction;
@@ -29484,7 +29566,7 @@ struct sequential_impulse {
                     const auto [to_a, to_b] = c.anchors(k);
                     const vec<S, D> v = velocity_at(b.velocity, to_b) - velocity_at(a.velocity, to_a);
                     auto slip = frame.components(v);
-                    if constexpr (Features::surface_velocity) slip -= c.surface_velocity;
+                    with.surface.take_from(slip);
                     const auto impulse =
                         r.with_friction.next(r.friction, slip, of.friction_of(c) * (r.normal + r.bounce.impulse));
                     const vec<S, D> change = frame.combine(impulse - r.friction);
@@ -29564,10 +29646,8 @@ struct sequential_impulse {
         }
         /// Takes the potential energy that a position correction adds from the body's speed, else coins would spin up
         /// and elastic boxes bounce higher and higher; at most a sixteenth of the speed a substep.
-        static void take_from_speed(twist_type& v, const twist_type& position_impulse,
-                                    const twist_type& velocity_change) {
-            const S gain = -dot(position_impulse.linear, velocity_change.linear) * S(2),
-                    square = dot(v.linear, v.linear);
+        static void take_from_speed(twist_type& v, const twist_type& push, const twist_type& change) {
+            const S gain = -dot(push.linear, change.linear) * S(2), square = dot(v.linear, v.linear);
             if (gain > S(0) && square > S(0)) v.linear *= sqrt(S(1) - min(gain / square, S(0.125)));
         }
     };
@@ -30424,25 +30504,33 @@ struct coefficient_lanes<S, W, Features> {
     }
 };
 
-/// How fast surfaces run along the tangents (m/s).
+/// How fast surfaces run along the tangents as a step begins (m/s), and how that changes (m/s^2).
 template <class S, int W, int D>
 struct belt_lanes {
     using P = kernel_pack<S, W>;
 
-    S along[D - 1][W];
+    S along[D - 1][W], change[D - 1][W];
 
     template <class Features>
-    void put(int lane, const contact<S, D, Features>& c) {
-        if constexpr (D == 2) along[0][lane] = c.surface_velocity;
-        else
-            for (int i = 0; i < 2; ++i) along[i][lane] = c.surface_velocity[i];
+    void put(int lane, const contact<S, D, Features>& c, const tangential<S, D>& changes) {
+        for (int i = 0; i < D - 1; ++i) {
+            along[i][lane] = component(value_of(c.surface_velocity), i);
+            change[i][lane] = component(changes, i);
+        }
     }
-    /// The slip against them, in 2D and in 3D.
-    PHYSICS_HPP_ALWAYS_INLINE void take_from(P& slip) const { slip = slip - P::load(along[0]); }
+    /// The slip against them some time after the step began, in 2D and in 3D.
+    PHYSICS_HPP_ALWAYS_INLINE void take_from(P& slip, S elapsed) const { slip = slip - at(0, elapsed); }
     template <class Slip>
-    PHYSICS_HPP_ALWAYS_INLINE void take_from(Slip& slip) const {
-        slip.x = slip.x - P::load(along[0]);
-        slip.y = slip.y - P::load(along[1]);
+    PHYSICS_HPP_ALWAYS_INLINE void take_from(Slip& slip, S elapsed) const {
+        slip.x = slip.x - at(0, elapsed);
+        slip.y = slip.y - at(1, elapsed);
+    }
+
+private:
+    static S component(S of, int) { return of; }
+    static S component(const vec<S, 2>& of, int i) { return of[i]; }
+    PHYSICS_HPP_ALWAYS_INLINE P at(int i, S elapsed) const {
+        return P::load(along[i]) + P::load(change[i]) * P::broadcast(elapsed);
     }
 };
 
@@ -30518,15 +30606,19 @@ struct soft_extras : std::conditional_t<Features::rolling_resistance, rolling_la
     using belt = belt_lanes<S, W, D>;
     using body = solver_body<S, D, Features::rotation>;
 
-    static bool needed_by(const contact<S, D, Features>& c, const prepare_input<S, D, Features>& with) {
-        return with.surfaces.rolling_resistance_of(c) > S(0) || value_of(c.surface_velocity) != tangential<S, D>{};
+    static bool needed_by(const contact<S, D, Features>& c, const body& a, const body& b,
+                          const prepare_input<S, D, Features>& with) {
+        if constexpr (Features::surface_velocity)
+            if (value_of(c.surface_velocity) != tangential<S, D>{} || turns_by_itself(a) || turns_by_itself(b))
+                return true;
+        return with.surfaces.rolling_resistance_of(c) > S(0);
     }
     void put(int lane, const contact<S, D, Features>& c, [[maybe_unused]] const body& a, [[maybe_unused]] const body& b,
              [[maybe_unused]] const prepare_input<S, D, Features>& with) {
         if constexpr (Features::rolling_resistance)
             if (const S resistance = with.surfaces.rolling_resistance_of(c); resistance > S(0))
                 rolling::put(lane, c, resistance, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), with.share);
-        if constexpr (Features::surface_velocity) belt::put(lane, c);
+        if constexpr (Features::surface_velocity) belt::put(lane, c, slip_change(c, a, b, with.step));
     }
 };
 
@@ -30544,7 +30636,7 @@ struct extras_of_block {
 
     void put(int lane, const contact<S, D, Features>& c, const body& a, const body& b,
              const prepare_input<S, D, Features>& with, arena& scratch) {
-        if (extras::needed_by(c, with)) add(lane, c, a, b, with, scratch);
+        if (extras::needed_by(c, a, b, with)) add(lane, c, a, b, with, scratch);
     }
     void store_impulses(int lane, contact<S, D, Features>& c) const {
         if constexpr (Features::rolling_resistance)
@@ -31089,7 +31181,7 @@ private:
     PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const lanes& f, const pass_type& pass, typename Frame::bodies& at) {
         auto slip = f.slip(at.a.velocity, at.b.velocity);
         if constexpr (Features::surface_velocity)
-            if (extras.at != nullptr) extras.belt().take_from(slip);
+            if (extras.at != nullptr) extras.belt().take_from(slip, pass.elapsed);
         f.apply_friction(friction.next(slip, points, count(), pass.use_bias), at);
     }
     /// After an impact, removes from the start velocities of the next substep all impulse but what was held before it.
@@ -31591,14 +31683,14 @@ struct soft_step_with {
                 contacts, all, motion, h_sub, S(joint_frequency_ratio) / (usual / S(with.substeps)),
                 S(joint_damping_ratio), with.max_direct_cost, scratch, tasks);
             const detail::prepare_input<S, D, Features> prepare_with{
-                S(1) / S(with.substeps), with.restitution_threshold * h, accelerations(motion, all, scratch),
+                S(1) / S(with.substeps), h, with.restitution_threshold * h, accelerations(motion, all, scratch),
                 contacts.surfaces()};
             const contact_blocks blocks = pack(colours, contacts, all, prepare_with, scratch, tasks);
             block* const first = blocks.first;
             const S frequency = with.contact_frequency_ratio / (usual / S(with.substeps));
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
             detail::substep_start<S, D, rotates> start(all, scratch);
-            const detail::contact_pass<S, D, rotates> biased{
+            detail::contact_pass<S, D, rotates> biased{
                 S(1) / h_sub,
                 detail::softness<S>::of(capped ? with.frequency_cap : frequency, with.damping_ratio, h_sub),
                 with.max_depenetration_speed,
@@ -31613,6 +31705,7 @@ struct soft_step_with {
             detail::contact_pass<S, D, rotates> released = biased;
             released.spring = {S(0), S(1), S(0)};
             for (int i = 0; i < with.substeps; ++i) {
+                biased.elapsed = relaxed.elapsed = released.elapsed = h_sub * (S(i) + S(0.5));
                 start.integrate_velocities(motion, h_sub);
                 if (i == 0) {
                     joints.warm_start(tasks);

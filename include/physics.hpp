@@ -294,6 +294,7 @@
 #include "physics/dynamics/reflections.hpp"
 #include "physics/dynamics/restitution.hpp"
 #include "physics/dynamics/row_lanes.hpp"
+#include "physics/dynamics/running_surface.hpp"
 #include "physics/dynamics/sequential_impulse.hpp"
 #include "physics/dynamics/shared_bounds.hpp"
 #include "physics/dynamics/soft_contact.hpp"

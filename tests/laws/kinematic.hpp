@@ -125,7 +125,7 @@ CELL_CASE("kinematic: a crate rides on what targets move along, up and down and 
         }
     }
 #if CELL_DIMENSION == 3
-    // On a carousel: 1 rad/s, 2 m from the axis. The crate goes straight on in each step, where the floor goes round.
+    // On a carousel: 1 rad/s, 2 m from the axis.
     ride r(2);
     vec start;
     for (int i = 1; i <= 320; ++i) {
@@ -133,7 +133,7 @@ CELL_CASE("kinematic: a crate rides on what targets move along, up and down and 
         r.move_to({}, turn);
         if (i == 64) start = inverse_rotate(turn, r.apart());
         if (i < 64) continue;
-        CHECK(gap(inverse_rotate(turn, r.apart()), start) <= 5e-3 + (i - 64) * 2 * h * h / 2);
+        CHECK(gap(inverse_rotate(turn, r.apart()), start) <= 5e-3);
         CHECK(gap(r.w.linear_velocity(r.crate), r.w.velocity_at(r.floor, r.w.position(r.crate))) <= 5e-2);
     }
 #endif

@@ -150,7 +150,8 @@ template <class Block>
 void put_into_lane(Block& block, int lane, const problem& p, typename Block::gathering& gathered,
                    physics::arena& scratch) {
     const contact& c = p.contacts[static_cast<std::uint32_t>(lane)];
-    block.put(lane, c, {c.bodies.body_a, c.bodies.body_b}, p.bodies.data(), {S(0.25)}, gathered, scratch);
+    block.put(lane, c, {c.bodies.body_a, c.bodies.body_b}, p.bodies.data(), {.share = S(0.25), .step = S(1)}, gathered,
+              scratch);
 }
 template <class Friction>
 void check_prepared(std::uint64_t seed) {

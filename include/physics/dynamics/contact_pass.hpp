@@ -97,13 +97,16 @@ struct contact_pass {
     bool over_relaxes;
     /// See substep_start.
     twist_of<S, D, Rotates>* start_velocity;
+    /// From the begin of the step to the middle of the substep (s): of both its rounds, so that friction which lasts
+    /// gives the same in each.
+    S elapsed{};
 };
 
 /// What contacts are written with.
 template <class S, int D, class Features>
 struct prepare_input {
-    /// Which part of the step's impulses a substep begins with.
-    S share;
+    /// Which part of the step's impulses a substep begins with, and the length of the step (s).
+    S share, step;
     /// Surfaces that have overlapped by more do not bounce (m).
     S overlap{};
     /// Of each body what drives it (m/s^2); null if that is not known.

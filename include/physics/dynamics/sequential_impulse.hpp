@@ -6,6 +6,7 @@
 #include "physics/dynamics/integrator.hpp"
 #include "physics/dynamics/joint_solver.hpp"
 #include "physics/dynamics/reflections.hpp"
+#include "physics/dynamics/running_surface.hpp"
 #include "physics/space/check.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -57,10 +58,9 @@ bool check(const sequential_impulse_settings<S>& with, const char* function) {
 /// defaults; more substeps bear more. Not for large piles: it works on one contact at a time, where soft_step works in
 /// lanes and by several threads. Needles thinner than 1:500 want a single substep of 20 iterations. Error: of order h;
 /// stacks settle into the slop. Momentum is kept to rounding where no gravity pulls; where it does, what pushes lift is
-/// taken from speeds. Cost: substeps x iterations x points, and for bounces a walk over the points with restitution a
-/// round, of which there are as many as an impact passes contacts. Source: Catto, Iterative Dynamics with Temporal
-/// Coherence (2005), Solver2D (2024, "TGS"); Macklin et al., Small Steps (2019); Guendelman et al., Nonconvex Rigid
-/// Bodies with Stacking (2003).
+/// taken from speeds. Cost: substeps x iterations x points, and for bounces a walk over the points with restitution for
+/// each contact that an impact passes. Source: Catto, Iterative Dynamics with Temporal Coherence (2005), Solver2D
+/// (2024, "TGS"); Macklin et al., Small Steps (2019); Guendelman et al., Nonconvex Rigid Bodies with Stacking (2003).
 struct sequential_impulse {
     using stage = physics::stage::solver;
     static constexpr bool solves_joints = true;
@@ -88,7 +88,7 @@ struct sequential_impulse {
             const bool* const has_joint = detail::bodies_of_joints(contacts, bodies, scratch);
             block* blocks = scratch.template allocate<block>(contacts.size());
             for (std::uint32_t i = 0; i < contacts.size(); ++i)
-                new (blocks + i) block(contacts[i], contacts.bodies(i), of, bodies, share);
+                new (blocks + i) block(contacts[i], contacts.bodies(i), of, bodies, h, share);
             bounces impacts = bounces_of(contacts, of, blocks, bodies, scratch);
             twist_type* const velocity_change = scratch.template allocate<twist_type>(bodies.count);
             twist_type* const position_velocities = scratch.template allocate<twist_type>(bodies.count);
@@ -166,11 +166,12 @@ struct sequential_impulse {
             [[no_unique_address]] detail::optional_member<Features::rolling_resistance, tangential<S, D>,
                                                           feature::rolling_resistance, 2>
                 total_rolling{};
+            [[no_unique_address]] detail::running_surface<S, D, Features> surface;
             bool yields;
             row rows[manifold<S, D>::capacity];
 
-            block(const contact& c, const solver_api::body_pair& pair, surfaces of, bodies_type bodies, S share)
-                : frame(c.normal), ends(pair) {
+            block(const contact& c, const solver_api::body_pair& pair, surfaces of, bodies_type bodies, S h, S share)
+                : frame(c.normal), ends(pair), surface(c, bodies[pair.a], bodies[pair.b], h, share) {
                 const body& a = bodies[ends.a];
                 const body& b = bodies[ends.b];
                 yields = bounces::drives(a) || bounces::drives(b);
@@ -188,6 +189,7 @@ struct sequential_impulse {
                 }
             }
             void add_up(int count) {
+                surface.advance();
                 for (int k = 0; k < count; ++k) {
                     rows[k].total = solver_api::added_load(rows[k].total, rows[k].normal + rows[k].bounce.impulse);
                     if constexpr (Features::friction) rows[k].total_friction += rows[k].friction;
@@ -308,7 +310,7 @@ struct sequential_impulse {
                     const auto [to_a, to_b] = c.anchors(k);
                     const vec<S, D> v = velocity_at(b.velocity, to_b) - velocity_at(a.velocity, to_a);
                     auto slip = frame.components(v);
-                    if constexpr (Features::surface_velocity) slip -= c.surface_velocity;
+                    with.surface.take_from(slip);
                     const auto impulse =
                         r.with_friction.next(r.friction, slip, of.friction_of(c) * (r.normal + r.bounce.impulse));
                     const vec<S, D> change = frame.combine(impulse - r.friction);
@@ -388,10 +390,8 @@ struct sequential_impulse {
         }
         /// Takes the potential energy that a position correction adds from the body's speed, else coins would spin up
         /// and elastic boxes bounce higher and higher; at most a sixteenth of the speed a substep.
-        static void take_from_speed(twist_type& v, const twist_type& position_impulse,
-                                    const twist_type& velocity_change) {
-            const S gain = -dot(position_impulse.linear, velocity_change.linear) * S(2),
-                    square = dot(v.linear, v.linear);
+        static void take_from_speed(twist_type& v, const twist_type& push, const twist_type& change) {
+            const S gain = -dot(push.linear, change.linear) * S(2), square = dot(v.linear, v.linear);
             if (gain > S(0) && square > S(0)) v.linear *= sqrt(S(1) - min(gain / square, S(0.125)));
         }
     };

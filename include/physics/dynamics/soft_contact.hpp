@@ -242,7 +242,7 @@ private:
     PHYSICS_HPP_ALWAYS_INLINE void solve_friction(const lanes& f, const pass_type& pass, typename Frame::bodies& at) {
         auto slip = f.slip(at.a.velocity, at.b.velocity);
         if constexpr (Features::surface_velocity)
-            if (extras.at != nullptr) extras.belt().take_from(slip);
+            if (extras.at != nullptr) extras.belt().take_from(slip, pass.elapsed);
         f.apply_friction(friction.next(slip, points, count(), pass.use_bias), at);
     }
     /// After an impact, removes from the start velocities of the next substep all impulse but what was held before it.

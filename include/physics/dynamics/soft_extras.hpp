@@ -5,6 +5,7 @@
 #include "physics/base/probe.hpp"
 #include "physics/dynamics/contact_pass.hpp"
 #include "physics/dynamics/friction.hpp"
+#include "physics/dynamics/running_surface.hpp"
 #include "physics/dynamics/soft_prepare.hpp"
 
 PHYSICS_HPP_BEGIN
@@ -77,25 +78,33 @@ struct coefficient_lanes<S, W, Features> {
     }
 };
 
-/// How fast surfaces run along the tangents (m/s).
+/// How fast surfaces run along the tangents as a step begins (m/s), and how that changes (m/s^2).
 template <class S, int W, int D>
 struct belt_lanes {
     using P = kernel_pack<S, W>;
 
-    S along[D - 1][W];
+    S along[D - 1][W], change[D - 1][W];
 
     template <class Features>
-    void put(int lane, const contact<S, D, Features>& c) {
-        if constexpr (D == 2) along[0][lane] = c.surface_velocity;
-        else
-            for (int i = 0; i < 2; ++i) along[i][lane] = c.surface_velocity[i];
+    void put(int lane, const contact<S, D, Features>& c, const tangential<S, D>& changes) {
+        for (int i = 0; i < D - 1; ++i) {
+            along[i][lane] = component(value_of(c.surface_velocity), i);
+            change[i][lane] = component(changes, i);
+        }
     }
-    /// The slip against them, in 2D and in 3D.
-    PHYSICS_HPP_ALWAYS_INLINE void take_from(P& slip) const { slip = slip - P::load(along[0]); }
+    /// The slip against them some time after the step began, in 2D and in 3D.
+    PHYSICS_HPP_ALWAYS_INLINE void take_from(P& slip, S elapsed) const { slip = slip - at(0, elapsed); }
     template <class Slip>
-    PHYSICS_HPP_ALWAYS_INLINE void take_from(Slip& slip) const {
-        slip.x = slip.x - P::load(along[0]);
-        slip.y = slip.y - P::load(along[1]);
+    PHYSICS_HPP_ALWAYS_INLINE void take_from(Slip& slip, S elapsed) const {
+        slip.x = slip.x - at(0, elapsed);
+        slip.y = slip.y - at(1, elapsed);
+    }
+
+private:
+    static S component(S of, int) { return of; }
+    static S component(const vec<S, 2>& of, int i) { return of[i]; }
+    PHYSICS_HPP_ALWAYS_INLINE P at(int i, S elapsed) const {
+        return P::load(along[i]) + P::load(change[i]) * P::broadcast(elapsed);
     }
 };
 
@@ -171,15 +180,19 @@ struct soft_extras : std::conditional_t<Features::rolling_resistance, rolling_la
     using belt = belt_lanes<S, W, D>;
     using body = solver_body<S, D, Features::rotation>;
 
-    static bool needed_by(const contact<S, D, Features>& c, const prepare_input<S, D, Features>& with) {
-        return with.surfaces.rolling_resistance_of(c) > S(0) || value_of(c.surface_velocity) != tangential<S, D>{};
+    static bool needed_by(const contact<S, D, Features>& c, const body& a, const body& b,
+                          const prepare_input<S, D, Features>& with) {
+        if constexpr (Features::surface_velocity)
+            if (value_of(c.surface_velocity) != tangential<S, D>{} || turns_by_itself(a) || turns_by_itself(b))
+                return true;
+        return with.surfaces.rolling_resistance_of(c) > S(0);
     }
     void put(int lane, const contact<S, D, Features>& c, [[maybe_unused]] const body& a, [[maybe_unused]] const body& b,
              [[maybe_unused]] const prepare_input<S, D, Features>& with) {
         if constexpr (Features::rolling_resistance)
             if (const S resistance = with.surfaces.rolling_resistance_of(c); resistance > S(0))
                 rolling::put(lane, c, resistance, rolling_at<S, D>(a, b, tangents<S, D>(c.normal)), with.share);
-        if constexpr (Features::surface_velocity) belt::put(lane, c);
+        if constexpr (Features::surface_velocity) belt::put(lane, c, slip_change(c, a, b, with.step));
     }
 };
 
@@ -197,7 +210,7 @@ struct extras_of_block {
 
     void put(int lane, const contact<S, D, Features>& c, const body& a, const body& b,
              const prepare_input<S, D, Features>& with, arena& scratch) {
-        if (extras::needed_by(c, with)) add(lane, c, a, b, with, scratch);
+        if (extras::needed_by(c, a, b, with)) add(lane, c, a, b, with, scratch);
     }
     void store_impulses(int lane, contact<S, D, Features>& c) const {
         if constexpr (Features::rolling_resistance)

@@ -113,14 +113,14 @@ struct soft_step_with {
                 contacts, all, motion, h_sub, S(joint_frequency_ratio) / (usual / S(with.substeps)),
                 S(joint_damping_ratio), with.max_direct_cost, scratch, tasks);
             const detail::prepare_input<S, D, Features> prepare_with{
-                S(1) / S(with.substeps), with.restitution_threshold * h, accelerations(motion, all, scratch),
+                S(1) / S(with.substeps), h, with.restitution_threshold * h, accelerations(motion, all, scratch),
                 contacts.surfaces()};
             const contact_blocks blocks = pack(colours, contacts, all, prepare_with, scratch, tasks);
             block* const first = blocks.first;
             const S frequency = with.contact_frequency_ratio / (usual / S(with.substeps));
             const bool capped = with.frequency_cap > S(0) && with.frequency_cap < frequency;
             detail::substep_start<S, D, rotates> start(all, scratch);
-            const detail::contact_pass<S, D, rotates> biased{
+            detail::contact_pass<S, D, rotates> biased{
                 S(1) / h_sub,
                 detail::softness<S>::of(capped ? with.frequency_cap : frequency, with.damping_ratio, h_sub),
                 with.max_depenetration_speed,
@@ -135,6 +135,7 @@ struct soft_step_with {
             detail::contact_pass<S, D, rotates> released = biased;
             released.spring = {S(0), S(1), S(0)};
             for (int i = 0; i < with.substeps; ++i) {
+                biased.elapsed = relaxed.elapsed = released.elapsed = h_sub * (S(i) + S(0.5));
                 start.integrate_velocities(motion, h_sub);
                 if (i == 0) {
                     joints.warm_start(tasks);
