@@ -42779,12 +42779,68 @@ displaced<D> displaced_by(const Shape& shape, const transform<S, D>& pose, const
     return below;
 }
 
+/// How a body that floats answers impulses, in double.
+template <int D>
+struct floating_body {
+    double inverse_mass;
+    /// About the axes of the world; 0 where nothing turns it.
+    [[no_unique_address]] std::conditional_t<D == 2, double, symmetric<double>> inverse_inertia;
+    vec<double, D> gravity;
+    twist<double, D> velocity;
+
+    template <class Inertia, class S>
+    void set_turning(const Inertia& inertia, const rotation<S, D>& turn, const angular<S, D>& spin) {
+        velocity.angular = converted<double>(spin);
+        if constexpr (D == 2) inverse_inertia = inertia > Inertia(0) ? 1 / to_double(inertia) : 0;
+        else inverse_inertia = rotated(inverse<double>(converted<double>(inertia)), matrix(converted<double>(turn)));
+    }
+    [[nodiscard]] angular<double, D> spin_by(const vec<double, D>& impulse, const vec<double, D>& r) const {
+        if constexpr (D == 2) return inverse_inertia * cross(r, impulse);
+        else return times(inverse_inertia, cross(r, impulse));
+    }
+    /// The force on a point at r from its centre of mass of what pushes it with `lift`, less by `stiffness` (N/m) the
+    /// farther it comes along the unit vector `up`, and takes it along with `flow` at a rate (kg/s): by where and how
+    /// fast it is at the end of h seconds, so that no step is too long. Where it swings slowly it is left to swing.
+    [[nodiscard]] vec<double, D> force(const vec<double, D>& r, const vec<double, D>& up, const vec<double, D>& lift,
+                                       double stiffness, const vec<double, D>& flow, double rate, double h) const {
+        const auto response = [&](const vec<double, D>& impulse) {
+            return impulse * inverse_mass + cross(spin_by(impulse, r), r);
+        };
+        const double steps = h * h * stiffness * dot(up, response(up)), rise = stiffness * h * steps / (1 + steps);
+        const vec<double, D> free = velocity_at(velocity, r) + gravity * h;
+        // v at the end: (1 + h rate response) v + h rise response(up) (up . v) = free + h response(lift + rate flow).
+        const auto slowed = [&](vec<double, D> x) {
+            vec<double, D> rows[D];
+            for (int i = 0; i < D; ++i) {
+                vec<double, D> axis{};
+                axis[i] = 1;
+                rows[i] = axis + response(axis) * (h * rate);
+            }
+            // A symmetric matrix, whose pivots are 1 or more.
+            for (int i = 0; i < D; ++i)
+                for (int k = 0; k < D; ++k) {
+                    if (k == i) continue;
+                    const double part = rows[k][i] / rows[i][i];
+                    rows[k] -= rows[i] * part;
+                    x[k] -= x[i] * part;
+                }
+            for (int i = 0; i < D; ++i) x[i] /= rows[i][i];
+            return x;
+        };
+        const vec<double, D> risen = slowed(response(up) * (h * rise));
+        vec<double, D> v = slowed(free + response(lift + flow * rate) * h);
+        v -= risen * (dot(up, v) / (1 + dot(up, risen)));
+        return lift - up * (rise * dot(up, v)) + (flow - v) * rate;
+    }
+};
+
 }  // namespace detail
 
 /// Lifts all bodies that are awake, in a next step of dt seconds, by the weight of the water that they displace, and
 /// slows them down in it: call it before each step. What sleeps it lets sleep: wake it where the water rises; what
 /// floats on nothing else stays awake. Exact for boxes, hulls, triangles and their compounds; round shapes by 64
-/// slices, to 1 %; what is rounded by its core. No step is so long that drag turns a body around. Refuses an up that is
+/// slices, to 1 %; what is rounded by its core. No step is so long that drag turns a body around, or that what is light
+/// is thrown. Refuses an up that is
 /// no unit vector, and negative numbers. O(bodies + shapes), and 1 to 5 us for each shape near the surface.
 template <class World>
 void apply_buoyancy(World& w, const water<typename World::scalar, World::dimension>& of, typename World::scalar dt) {
@@ -42800,33 +42856,45 @@ void apply_buoyancy(World& w, const water<typename World::scalar, World::dimensi
         return;
     }
     detail::scoped([&] {
-        const auto gravity = w.settings().gravity;
+        const vec<double, D> pull = detail::converted<double>(w.settings().gravity),
+                             up = detail::unit(detail::to_point(of.up));
+        const double h = detail::to_double(dt), fall = max(-dot(pull, up), 0.0),
+                     density = detail::to_double(of.density);
         detail::each_awake(w, [&](body_id b) {
-            S water_mass = S(0);
-            vec<S, D> center;
+            double water_mass = 0, stiffness = 0;
+            vec<double, D> center;
             for (const shape_id shape : w.shapes(b)) {
                 if (w.is_sensor(shape)) continue;
                 const auto pose = w.pose(b) * w.local_pose(shape);
                 const auto own = w.shape(shape).visit([&](const auto& s) { return detail::displaced_by(s, pose, of); });
                 if (!(own.volume > 0)) continue;
-                const S mass = of.density * static_cast<S>(own.volume);
-                const vec<S, D> at = detail::from_point<S>(own.first);
-                w.apply_force_at(b, gravity * -mass, at);
+                const double mass = density * own.volume;
                 water_mass += mass;
-                center += (at - center) * (mass / water_mass);
+                center += (own.first - center) * (mass / water_mass);
+                // No stiffer: what is below holds the cone from its lowest point to the plane of the surface, and its
+                // centre is at most D / (D + 1) as deep as that point.
+                const double depth = max(detail::to_double(of.height) - dot(up, own.first), 1e-9);
+                stiffness += D * D / (D + 1.0) * mass * fall / depth;
             }
-            if (!(water_mass > S(0))) return;
-            const auto body = w.mass(b);
-            // By the speed at the end of the step, so that no step is too long.
-            const S rate = of.drag * water_mass, slowed = rate / (S(1) + rate * dt / body.mass);
-            const vec<S, D> gained = gravity * ((w.gravity_scale(b) - water_mass / body.mass) * dt);
-            w.apply_force_at(b, (of.velocity - w.velocity_at(b, center) - gained) * slowed, center);
-            if constexpr (requires { w.apply_torque(b, w.angular_velocity(b)); }) {
-                const auto spin = w.angular_velocity(b);
-                const S part = slowed / body.mass;
-                if constexpr (D == 2) w.apply_torque(b, spin * body.inertia * -part);
-                else
-                    w.apply_torque(b, w.rotation(b) * times(body.inertia, inverse_rotate(w.rotation(b), spin)) * -part);
+            if (!(water_mass > 0)) return;
+            const auto mass = w.mass(b);
+            detail::floating_body<D> body{1 / detail::to_double(mass.mass), {}, {}, {}};
+            body.gravity = pull * detail::to_double(w.gravity_scale(b));
+            body.velocity.linear = detail::converted<double>(w.linear_velocity(b));
+            constexpr bool turns = requires { w.apply_torque(b, w.angular_velocity(b)); };
+            if constexpr (turns)
+                if (!w.rotation_locked(b)) body.set_turning(mass.inertia, w.rotation(b), w.angular_velocity(b));
+            const vec<double, D> r = center - detail::converted<double>(w.center_of_mass(b));
+            const double rate = detail::to_double(of.drag) * water_mass;
+            const vec<double, D> force =
+                body.force(r, up, pull * -water_mass, stiffness, detail::converted<double>(of.velocity), rate, h);
+            w.apply_force_at(b, detail::converted<S>(force), detail::converted<S>(center));
+            if constexpr (turns) {
+                // Its spin goes as its speed does.
+                const auto spin = body.velocity.angular + body.spin_by(force, r) * h;
+                const auto kept = detail::converted<S>(spin * (rate / (1 / body.inverse_mass + rate * h)));
+                if constexpr (D == 2) w.apply_torque(b, -(kept * mass.inertia));
+                else w.apply_torque(b, -(w.rotation(b) * times(mass.inertia, inverse_rotate(w.rotation(b), kept))));
             }
         });
     });

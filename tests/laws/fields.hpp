@@ -171,6 +171,31 @@ CELL_CASE("water: a box that is turned rights itself, one that flows is taken al
     }
 }
 
+CELL_CASE("water: what is light comes to rest as deep as it belongs, and drag of any size only slows") {
+    for (const int rate : {30, 60, 240})
+        for (const double density : {0.005, 0.02, 0.1, 0.5})
+            for (const double drag : {2.0, 20.0, 100.0}) {
+                if (rate == 240 && drag != 2) continue;
+                CAPTURE(rate);
+                CAPTURE(density);
+                CAPTURE(drag);
+                world w = empty(-10);
+                const water of{.density = S(1), .drag = S(drag)};
+                vec flat = vec::filled(S(1));
+                flat.y = S(0.25);
+                const body_id raft = add(w, at(-5, 0.5), world::box{flat}, density),
+                              ball = add(w, at(0, 0.5 * (1 - density)), world::ball{S(0.5)}, density),
+                              log = add(w, at(5, 0.5), world::capsule{S(0.75), S(0.25)}, density);
+                w.set_linear_velocity(ball, along(0, 0.5));
+                const double seconds = 4 + 24 / std::min(drag, 6.0);
+                for (int i = 0; i < seconds * rate; ++i) {
+                    float_for(w, of, 1.0 / rate, rate);
+                    REQUIRE(std::abs(number(w.linear_velocity(ball).x)) < 0.501);
+                }
+                CHECK(std::abs(number(w.position(raft).y) - (0.25 - 0.5 * density)) < 0.005);
+                for (const body_id b : {raft, ball, log}) CHECK(largest(w.linear_velocity(b)) < S(0.01));
+            }
+}
 CELL_CASE("fields: a body circles a gravity well in the time that Newton says") {
     world w = empty(0);
     const well planet{.center = at(1, 2), .radius = S(2), .acceleration = S(8)};
