@@ -43124,14 +43124,12 @@ private:
         S rounding{};
         if (!stood) {
             if (!jumps) fall_ += w.settings().gravity * dt;
-            // What stops it leaves it as fast as that by rounding.
+            // What stops it leaves it as fast as that, by rounding.
             rounding = S(64) * scalar_traits<S>::epsilon() * (S(1) + length(fall_));
             slide(w, fall_ * dt, false, dt);
         }
         velocity_ = walked / dt + fall_;
-        ground_ = {};
-        if (!stood && dot(fall_, up_) > rounding) return;
-        find_ground(w, toward, stood);
+        find_ground(w, toward, stood, rounding);
         if (!ground_) return;
         velocity_ -= fall_;
         fall_ = {};
@@ -43288,8 +43286,9 @@ private:
         return face && !face.inside() ? face.normal : vec{};
     }
 
-    /// What is below, within reach of its feet: it settles on that.
-    void find_ground(World& w, const vec& toward, bool stood) {
+    /// What is below, within reach of its feet: it settles on that, unless it flies away from it faster than rounding.
+    void find_ground(World& w, const vec& toward, bool stood, S rounding) {
+        ground_ = {};
         const S skin = settings_.skin, reach = stood ? settings_.snap_distance + skin : skin * S(0.125);
         typename World::world_hit hit;
         // From a little above, since it may be nearer than its skin.
@@ -43309,9 +43308,10 @@ private:
             if (!middle || middle.inside() || !is_walkable(middle.normal)) return;
             if (!is_firm) found = {middle.shape, middle.body, middle.point, middle.normal, {}};
         }
+        found.velocity = w.velocity_at(found.body, found.point);
+        if (!stood && dot(fall_ - found.velocity, found.normal) > rounding) return;
         position_ -= up_ * down;
         ground_ = found;
-        ground_.velocity = w.velocity_at(found.body, found.point);
         local_point_ = inverse_rotate(w.rotation(found.body), found.point - w.position(found.body));
     }
 

@@ -365,6 +365,30 @@ CELL_CASE("characters: a wedge holds it at rest, and lets it go at once") {
     }
 }
 #endif
+CELL_CASE("characters: one that drops into a valley or is thrown up a slope stands, and one that jumps there leaves") {
+    for (const double angle : {0.5236, 0.7505, 0.7679})
+        for (int k = -10; k <= 10; ++k)
+            for (const double height : {1.0, 3.0}) {
+                CAPTURE(angle);
+                CAPTURE(k);
+                level l;
+                for (const int side : {-1, 1}) l.box(side * std::sin(angle), -std::cos(angle), 20, 1, side * angle);
+                hero h = level::make(0.01 * k, height);
+                l.run(h, 1.5, {});
+                CHECK(h.ground());
+                h.jump(S(4));
+                l.run(h, 0.1, {});
+                CHECK_FALSE(h.ground());
+            }
+    for (const double speed : {3.0, 8.0, 15.0}) {
+        level l;
+        l.box(std::sin(0.5236), -std::cos(0.5236), 60, 1, 0.5236);
+        hero h = level::make(0, 0.3);
+        h.set_fall_velocity(at(speed, -1));
+        l.run(h, 0.2, {});
+        CHECK(h.ground());
+    }
+}
 template <class Rotation>
 Rotation tilted(double angle) {
     if constexpr (cell::is_2d) return turned_about_z(angle);
