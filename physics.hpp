@@ -43310,7 +43310,8 @@ private:
         }
         found.velocity = w.velocity_at(found.body, found.point);
         if (!stood && dot(fall_ - found.velocity, found.normal) > rounding) return;
-        position_ -= up_ * down;
+        // What it touches aside lifts it no farther.
+        position_ -= up_ * (is_firm ? down : max(down, S(0)));
         ground_ = found;
         local_point_ = inverse_rotate(w.rotation(found.body), found.point - w.position(found.body));
     }

@@ -389,6 +389,27 @@ CELL_CASE("characters: one that drops into a valley or is thrown up a slope stan
         CHECK(h.ground());
     }
 }
+#if CELL_DIMENSION == 3
+CELL_CASE("characters: one that walks into a slit as wide as it is stays on the ground") {
+    at_rates([](int rate) {
+        for (const double width : {0.6, 0.605, 0.609, 0.615})
+            for (const double speed : {2.0, 4.0, 6.0}) {
+                CAPTURE(width);
+                CAPTURE(speed);
+                level l(rate);
+                l.floor();
+                for (const int side : {-1, 1})
+                    l.w.create_shape(l.fixed, world::box{{S(5), S(3), S(1)}},
+                                     {.position = {S(5), S(3), S(side * (1 + width / 2))}});
+                hero h(world::capsule::upright(S(1.8), S(0.3)), {S(-1), S(0), S(0.004)}, along(1, 1));
+                l.run(h, 3, along(0, speed), [&] {
+                    CHECK(std::abs(y_of(h)) < 0.02);
+                    CHECK(h.ground());
+                });
+            }
+    });
+}
+#endif
 template <class Rotation>
 Rotation tilted(double angle) {
     if constexpr (cell::is_2d) return turned_about_z(angle);
