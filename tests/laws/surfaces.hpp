@@ -605,7 +605,7 @@ using neither = without<rolling_resistance, surface_velocity>;
 static_assert(sizeof(block_of<neither>) < sizeof(block_of<without<>>));
 static_assert(sizeof(block_of<without<physics::feature::friction>>) < sizeof(block_of<without<>>));
 static_assert(sizeof(block_of<without<physics::feature::restitution>>) < sizeof(block_of<without<>>));
-static_assert(sizeof(extras_of<without<rolling_resistance>>) == sizeof(S) * 4 * (D - 1));
+static_assert(sizeof(extras_of<without<rolling_resistance>>) == sizeof(S) * 4 * 2 * (D - 1));
 static_assert(sizeof(extras_of<without<surface_velocity>>) == sizeof(S) * 4 * (D == 2 ? 4 : 9));
 static_assert(sizeof(extras_of<without<>>) ==
               sizeof(extras_of<without<rolling_resistance>>) + sizeof(extras_of<without<surface_velocity>>));
