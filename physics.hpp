@@ -4634,7 +4634,7 @@ template <class T>
 bool check_bounded(const char* function, const char* field, T value) {
     return check_finite(function, field, value) &&
            check_each(
-               function, field, value, [](auto x) { return is_bounded(x); }, "it must not be above 1e75");
+               function, field, value, [](auto x) { return is_bounded(x); }, "its size must not be above 1e75");
 }
 template <class T>
 bool check_in_range(const char* function, const char* field, T value) {
@@ -25361,8 +25361,8 @@ struct contact_pass {
     bool over_relaxes;
     /// See substep_start.
     twist_of<S, D, Rotates>* start_velocity;
-    /// From the begin of the step to the middle of the substep (s): of both its rounds, so that friction which lasts
-    /// gives the same in each.
+    /// From the beginning of the step to the middle of the substep (s): of both its rounds, so that friction which
+    /// lasts gives the same in each.
     S elapsed{};
 };
 
@@ -29228,7 +29228,8 @@ tangential<S, D> slip_change([[maybe_unused]] const contact<S, D, Features>& c,
         vec<double, D> change = cross(of_turning.angular, along) - cross(of_other.angular, around);
         const double turn = largest_magnitude(turning.velocity.angular) * to_double(h);
         change *= (by_a ? 1 : -1) / max(turn * turn, 1.0);
-        if (largest(change) < to_double(scalar_traits<S>::max()) / 4)
+        // Within the scalar's range at the end of the step too.
+        if (largest(change) * max(to_double(h), 1.0) < to_double(scalar_traits<S>::max()) / 4)
             return tangents<S, D>(c.normal).components(converted<S>(change));
     }
     return {};
@@ -42840,8 +42841,8 @@ struct floating_body {
 /// slows them down in it: call it before each step. What sleeps it lets sleep: wake it where the water rises; what
 /// floats on nothing else stays awake. Exact for boxes, hulls, triangles and their compounds; round shapes by 64
 /// slices, to 1 %; what is rounded by its core. No step is so long that drag turns a body around, or that what is light
-/// is thrown. Refuses an up that is
-/// no unit vector, and negative numbers. O(bodies + shapes), and 1 to 5 us for each shape near the surface.
+/// is thrown. Refuses an up that is no unit vector, and negative numbers. O(bodies + shapes), and 1 to 5 us for each
+/// shape near the surface.
 template <class World>
 void apply_buoyancy(World& w, const water<typename World::scalar, World::dimension>& of, typename World::scalar dt) {
     using S = typename World::scalar;

@@ -104,7 +104,7 @@ double deviation_of(const World& w, shape_id a, shape_id b) {
         for (int i = 0; i < World::dimension; ++i)
             smaller = std::min(smaller, as_double(box.upper[i]) / 2 - as_double(box.lower[i]) / 2);
     }
-    return smaller / 512;
+    return smaller / (World::dimension == 2 ? 512 : 256);
 }
 
 /// What events have told of a world.

@@ -97,8 +97,8 @@ struct contact_pass {
     bool over_relaxes;
     /// See substep_start.
     twist_of<S, D, Rotates>* start_velocity;
-    /// From the begin of the step to the middle of the substep (s): of both its rounds, so that friction which lasts
-    /// gives the same in each.
+    /// From the beginning of the step to the middle of the substep (s): of both its rounds, so that friction which
+    /// lasts gives the same in each.
     S elapsed{};
 };
 

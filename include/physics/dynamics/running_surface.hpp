@@ -45,7 +45,8 @@ tangential<S, D> slip_change([[maybe_unused]] const contact<S, D, Features>& c,
         vec<double, D> change = cross(of_turning.angular, along) - cross(of_other.angular, around);
         const double turn = largest_magnitude(turning.velocity.angular) * to_double(h);
         change *= (by_a ? 1 : -1) / max(turn * turn, 1.0);
-        if (largest(change) < to_double(scalar_traits<S>::max()) / 4)
+        // Within the scalar's range at the end of the step too.
+        if (largest(change) * max(to_double(h), 1.0) < to_double(scalar_traits<S>::max()) / 4)
             return tangents<S, D>(c.normal).components(converted<S>(change));
     }
     return {};

@@ -275,8 +275,8 @@ struct floating_body {
 /// slows them down in it: call it before each step. What sleeps it lets sleep: wake it where the water rises; what
 /// floats on nothing else stays awake. Exact for boxes, hulls, triangles and their compounds; round shapes by 64
 /// slices, to 1 %; what is rounded by its core. No step is so long that drag turns a body around, or that what is light
-/// is thrown. Refuses an up that is
-/// no unit vector, and negative numbers. O(bodies + shapes), and 1 to 5 us for each shape near the surface.
+/// is thrown. Refuses an up that is no unit vector, and negative numbers. O(bodies + shapes), and 1 to 5 us for each
+/// shape near the surface.
 template <class World>
 void apply_buoyancy(World& w, const water<typename World::scalar, World::dimension>& of, typename World::scalar dt) {
     using S = typename World::scalar;

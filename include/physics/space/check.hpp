@@ -58,7 +58,7 @@ template <class T>
 bool check_bounded(const char* function, const char* field, T value) {
     return check_finite(function, field, value) &&
            check_each(
-               function, field, value, [](auto x) { return is_bounded(x); }, "it must not be above 1e75");
+               function, field, value, [](auto x) { return is_bounded(x); }, "its size must not be above 1e75");
 }
 template <class T>
 bool check_in_range(const char* function, const char* field, T value) {
